@@ -360,28 +360,21 @@ static void *drain(void *ctx)
     return NULL;
 }
 
-/* Waits for a signal as sigwait does, and meanwhile tells systemd's watchdog that the daemon lives.
- */
-static int wait_watched(const struct daemon *daemon, int *number)
+/* Waits for a signal, and meanwhile tells systemd's watchdog that the daemon lives. */
+static int wait_signal(const struct daemon *daemon)
 {
     double seconds = vor_notify_watchdog();
     struct timespec pause = {(time_t)seconds, (long)((seconds - (double)(time_t)seconds) * 1e9)};
 
-    if (seconds <= 0)
-        return sigwait(&daemon->signals, number);
-    while ((*number = sigtimedwait(&daemon->signals, NULL, &pause)) < 0)
+    for (;;) {
+        int number = seconds > 0 ? sigtimedwait(&daemon->signals, NULL, &pause)
+                                 : sigwaitinfo(&daemon->signals, NULL);
+
+        if (number > 0)
+            return number;
         if (errno == EAGAIN && vor_http_stuck(daemon->app.http) < VOR_STUCK_SECONDS)
             vor_notify("WATCHDOG=1");
-    return 0;
-}
-
-static int wait_signal(const struct daemon *daemon)
-{
-    int number = 0;
-
-    while (wait_watched(daemon, &number) != 0)
-        number = 0;
-    return number;
+    }
 }
 
 static const char *signal_word(int number)

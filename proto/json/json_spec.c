@@ -228,9 +228,8 @@ static vor_status set_array(struct vor_spec *spec, const struct vor_json *member
             vor_json_copy(&words, e);
     }
     status = vor_text_status(&words, err);
-    if (status == VOR_OK)
-        status = vor_spec_set_as(spec, vor_json_name(member), VOR_SHAPE_ARRAY,
-                                 words.size > 0 ? words.data : "none", err);
+    VOR_THEN(status, vor_spec_set_as(spec, vor_json_name(member), VOR_SHAPE_ARRAY,
+                                     words.size > 0 ? words.data : "none", err));
     vor_text_free(&words);
     return status;
 }

@@ -56,15 +56,6 @@ static bool path_matches(const char *pattern, const char *path)
     return *path == '\0';
 }
 
-static const struct vor_route *find_route(enum vor_method method, const char *path)
-{
-    for (int i = 0; i < ROUTE_COUNT; i++)
-        if (routes[i].method == (method == VOR_HEAD ? VOR_GET : method) &&
-            path_matches(routes[i].path, path))
-            return &routes[i];
-    return NULL;
-}
-
 static bool origin_is_ours(const struct vor_request *request, const char *origin)
 {
     const char *public_url = request->app->config->text[VOR_SET_PUBLIC_URL];
@@ -180,17 +171,21 @@ static enum vor_next reply_no_route(struct vor_request *request)
 enum vor_next vor_route_dispatch(struct vor_request *request, enum vor_step step)
 {
     const struct vor_route *route = request->route;
+    const enum vor_method method = request->method == VOR_HEAD ? VOR_GET : request->method;
     unsigned most;
+    int i = 0;
 
     if (step != VOR_STEP_HEAD)
         return route->handler(request, step);
     if (!check_source(request))
         return VOR_NEXT_REPLY;
     add_cors(request);
-    route = find_route(request->method, request->path);
-    if (route == NULL)
+    while (i < ROUTE_COUNT &&
+           (routes[i].method != method || !path_matches(routes[i].path, request->path)))
+        i++;
+    if (i == ROUTE_COUNT)
         return reply_no_route(request);
-    request->route = route;
+    request->route = route = &routes[i];
     if (!vor_auth_check(request, route->scope))
         return VOR_NEXT_REPLY;
     most = strncmp(route->path, "/v1", 3) == 0 ? vor_request_excess(request) : 0;

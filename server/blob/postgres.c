@@ -227,11 +227,10 @@ static vor_status put_pieces(struct call *call, uint8_t *buffer, struct vor_erro
     for (uint64_t at = 0; status == VOR_OK && at < call->size; at += have) {
         have = call->size - at < VOR_BLOB_PIECE ? (size_t)(call->size - at) : VOR_BLOB_PIECE;
         status = vor_piece_read(call->fd, at, buffer, have, err);
-        if (status == VOR_OK)
-            status = ask(call, buffer, have, err,
-                         "INSERT INTO voronoid_piece VALUES (%" PRId64 ", %" PRIu64
-                         ", encode(sha256($1), 'hex'), $1)",
-                         call->object, at / VOR_BLOB_PIECE);
+        VOR_THEN(status, ask(call, buffer, have, err,
+                             "INSERT INTO voronoid_piece VALUES (%" PRId64 ", %" PRIu64
+                             ", encode(sha256($1), 'hex'), $1)",
+                             call->object, at / VOR_BLOB_PIECE));
     }
     return status;
 }
@@ -244,27 +243,24 @@ static vor_status put_once(struct call *call, struct vor_error *err)
 
     if (buffer == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "a part of a file");
-    if (status == VOR_OK)
-        status = ask(call, NULL, 0, err, "BEGIN");
-    if (status == VOR_OK)
-        status = ask(call, NULL, 0, err, "SET LOCAL idle_in_transaction_session_timeout = 10000");
-    if (status == VOR_OK)
-        status = ask(call, NULL, 0, err,
-                     "INSERT INTO voronoid_file (size) VALUES (%" PRIu64 ") RETURNING object::text",
-                     call->size);
+    VOR_THEN(status, ask(call, NULL, 0, err, "BEGIN"));
+    VOR_THEN(status,
+             ask(call, NULL, 0, err, "SET LOCAL idle_in_transaction_session_timeout = 10000"));
+    VOR_THEN(status,
+             ask(call, NULL, 0, err,
+                 "INSERT INTO voronoid_file (size) VALUES (%" PRIu64 ") RETURNING object::text",
+                 call->size));
     if (status == VOR_OK) {
         call->object = number_at(call, 0);
         status = put_pieces(call, buffer, err);
     }
-    if (status == VOR_OK)
-        status = ask(call, NULL, 0, err, "DELETE FROM voronoid_file WHERE key = '%s'", call->key);
-    if (status == VOR_OK)
-        status = ask(call, NULL, 0, err,
-                     "UPDATE voronoid_file SET key = '%s', modified = " NOW_MS
-                     " WHERE object = %" PRId64,
-                     call->key, call->object);
-    if (status == VOR_OK)
-        status = ask(call, NULL, 0, err, "COMMIT");
+    VOR_THEN(status,
+             ask(call, NULL, 0, err, "DELETE FROM voronoid_file WHERE key = '%s'", call->key));
+    VOR_THEN(status, ask(call, NULL, 0, err,
+                         "UPDATE voronoid_file SET key = '%s', modified = " NOW_MS
+                         " WHERE object = %" PRId64,
+                         call->key, call->object));
+    VOR_THEN(status, ask(call, NULL, 0, err, "COMMIT"));
     free(buffer);
     return status;
 }
@@ -409,8 +405,7 @@ static vor_status prepare(struct call *call, struct vor_error *err)
         "  number bigint, sha256 text NOT NULL, data bytea NOT NULL, PRIMARY KEY (object, number));"
         " ALTER TABLE voronoid_piece ALTER data SET STORAGE EXTERNAL;"
         " END IF; END $$");
-    if (status == VOR_OK)
-        status = ask(call, NULL, 0, err, "SELECT version::text FROM voronoid_file_schema");
+    VOR_THEN(status, ask(call, NULL, 0, err, "SELECT version::text FROM voronoid_file_schema"));
     if (status == VOR_OK && number_at(call, 0) != VERSION)
         return vor_fail(err, VOR_E_IO,
                         "%s has schema %" PRId64 ", this version reads %d: start the version that "

@@ -68,10 +68,8 @@ static vor_status read_keys(struct vor_s3 *s3, struct vor_error *err)
     char token[VOR_S3_SECRET_SIZE];
     vor_status status = read_secret(s3->key_id, "AWS_ACCESS_KEY_ID", err);
 
-    if (status == VOR_OK)
-        status = read_secret(s3->secret, "AWS_SECRET_ACCESS_KEY", err);
-    if (status == VOR_OK)
-        status = read_secret(token, "AWS_SESSION_TOKEN", err);
+    VOR_THEN(status, read_secret(s3->secret, "AWS_SECRET_ACCESS_KEY", err));
+    VOR_THEN(status, read_secret(token, "AWS_SESSION_TOKEN", err));
     if (status != VOR_OK)
         return status;
     if (s3->key_id[0] == '\0' || s3->secret[0] == '\0')

@@ -39,25 +39,17 @@ void vor_cli_say(const char *subject, const char *message)
     fputc('\n', stderr);
 }
 
-/* Whether what is at fault stands on the command line, whatever its HTTP status. */
-static int is_usage(const char *slug)
-{
-    static const char *const slugs[] = {"invalid-parameter", "invalid-query-parameter-value",
-                                        "unknown-word", "unusable-faces"};
-
-    for (size_t i = 0; i < sizeof slugs / sizeof slugs[0]; i++)
-        if (strcmp(slug, slugs[i]) == 0)
-            return 1;
-    return 0;
-}
-
 int vor_cli_exit_code(int http, const char *type)
 {
+    /* What is at fault stands on the command line, whatever its HTTP status. */
+    static const char *const usage[] = {"invalid-parameter", "invalid-query-parameter-value",
+                                        "unknown-word", "unusable-faces"};
     const char *slug = type != NULL ? strrchr(type, '/') : NULL;
 
     slug = slug != NULL ? slug + 1 : type != NULL ? type : "";
-    if (is_usage(slug))
-        return VOR_EXIT_USAGE;
+    for (size_t i = 0; i < sizeof usage / sizeof usage[0]; i++)
+        if (strcmp(slug, usage[i]) == 0)
+            return VOR_EXIT_USAGE;
     switch (http) {
     case 200:
         return VOR_EXIT_OK;

@@ -85,30 +85,22 @@ int vor_cli_into_folder(const struct vor_cli *cli)
 
 /* Refusals. */
 
-/* The parameter of a name, with capitals or with dashes; VOR_PARAMETER_COUNT when there is none. */
-static enum vor_parameter find_parameter(const char *name)
-{
-    char option[VOR_REFERENCE_NAME_SIZE];
-    int i = 0;
-
-    while (i < VOR_PARAMETER_COUNT &&
-           strcmp(name, vor_parameter_info((enum vor_parameter)i)->name) != 0 &&
-           strcmp(name, vor_reference_option(option, (enum vor_parameter)i)) != 0)
-        i++;
-    return (enum vor_parameter)i;
-}
-
 /* A word that getopt_long does not know. */
 static vor_status refuse_word(const struct reader *r, const char *word)
 {
     char names[NAMES_SIZE] = "";
     const struct vor_process_info *process = r->cli->command->process;
     size_t length = strcspn(word, "=");
-    char exact[SHOWN_SIZE];
-    enum vor_parameter parameter;
+    char exact[SHOWN_SIZE], option[VOR_REFERENCE_NAME_SIZE];
+    const char *name = exact;
+    enum vor_parameter parameter = (enum vor_parameter)0;
 
     (void)snprintf(exact, sizeof exact, "%.*s", (int)(length < SHOWN_SIZE ? length : 0), word);
-    parameter = find_parameter(exact + strspn(exact, "-"));
+    name += strspn(exact, "-"); /* with capitals or with dashes */
+    while (parameter < VOR_PARAMETER_COUNT &&
+           strcmp(name, vor_parameter_info(parameter)->name) != 0 &&
+           strcmp(name, vor_reference_option(option, parameter)) != 0)
+        parameter++;
     if (word[1] == '-' && process != NULL && parameter != VOR_PARAMETER_COUNT &&
         !vor_process_takes(process, parameter)) {
         for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
@@ -262,33 +254,24 @@ static vor_status take_values(struct vor_cli *cli, struct vor_error *err)
 
 /* Checks. */
 
-/* The end of a file's name from its last dot on; NULL where it has none, or begins with it. */
-static const char *suffix_of(const char *path)
-{
-    const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path;
-    const char *dot = strrchr(name, '.');
-
-    return dot != NULL && dot != name && dot[1] != '\0' ? dot : NULL;
-}
-
 vor_status vor_cli_check_suffix(const struct vor_cli *cli, const char *path, struct vor_error *err)
 {
     const struct vor_process_info *process = cli->command->process;
-    const char *suffix = suffix_of(path);
+    const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path;
+    const char *suffix = strrchr(name, '.');
     struct vor_text served;
     vor_status status;
 
-    if (process->outputs[0].kind != VOR_ARTEFACT_CLOUD || suffix == NULL ||
-        cli->given[VOR_PARAM_FORMAT] || vor_format_by_suffix(suffix) != NULL)
+    if (process->outputs[0].kind != VOR_ARTEFACT_CLOUD || suffix == NULL || suffix == name ||
+        suffix[1] == '\0' || cli->given[VOR_PARAM_FORMAT] || vor_format_by_suffix(suffix) != NULL)
         return VOR_OK;
     vor_text_init(&served, 0);
     for (unsigned i = 0; vor_format(i) != NULL; i++)
         vor_text_printf(&served, "%s%s", i > 0 ? ", " : "", vor_format(i)->suffix);
     status = vor_text_status(&served, err);
-    if (status == VOR_OK)
-        status = vor_fail(err, VOR_E_PARAM,
-                          "the suffix of the output is %s, want one of %s, or give --format",
-                          VOR_QUOTED(SHOWN_SIZE, suffix, strlen(suffix)), served.data);
+    VOR_THEN(status, vor_fail(err, VOR_E_PARAM,
+                              "the suffix of the output is %s, want one of %s, or give --format",
+                              VOR_QUOTED(SHOWN_SIZE, suffix, strlen(suffix)), served.data));
     vor_text_free(&served);
     return status;
 }
@@ -323,29 +306,23 @@ static vor_status resolve_output(struct vor_cli *cli, struct vor_error *err)
     return vor_cli_check_suffix(cli, *output, err);
 }
 
-/* The input of that name that is an option; 0, the operand, when there is none. */
-static unsigned find_input(const struct vor_process_info *process, const char *name)
-{
-    for (unsigned i = 1; process->inputs[i].name != NULL; i++)
-        if (strcmp(name, process->inputs[i].name) == 0)
-            return i;
-    return 0;
-}
-
 /* A parameter or the process itself may need an input that is an option. */
 static vor_status check_inputs(const struct vor_cli *cli, struct vor_error *err)
 {
     const struct vor_process_info *process = cli->command->process;
+    const struct vor_artefact_info *input;
     const char *needed = NULL;
     struct vor_error why;
-    unsigned inputs = 0, option;
+    unsigned inputs = 0;
+    long option; /* 0: the operand, or none */
 
     for (unsigned i = 0; process->inputs[i].name != NULL; i++)
         inputs |=
             cli->input[i] != NULL || (cli->command->does & VOR_COMMAND_FRAMES) != 0 ? 1u << i : 0;
     if (vor_spec_check_inputs(&cli->spec, inputs, &why) == VOR_OK)
         return VOR_OK;
-    option = find_input(process, why.parameter);
+    input = vor_artefact_find(process->inputs, why.parameter);
+    option = input != NULL ? input - process->inputs : 0;
     if (option > 0 && (inputs >> option & 1) != 0) /* it is there, but does not fit */
         return vor_fail_param(err, why.status, why.parameter, "%s", why.message);
     needed = option > 0 ? why.parameter : vor_parameter_needs(vor_parameter_find(why.parameter));
@@ -361,11 +338,8 @@ static vor_status check_files(struct vor_cli *cli, struct vor_error *err)
     if (cli->operand_count == 0)
         return vor_fail(err, VOR_E_PARAM, "no input: give a file, or - for stdin");
     cli->input[0] = cli->operands[0];
-    for (unsigned i = 0; process->inputs[i].name != NULL; i++) {
-        if (cli->input[i] == NULL)
-            continue;
-        stdins += strcmp(cli->input[i], "-") == 0;
-    }
+    for (unsigned i = 0; process->inputs[i].name != NULL; i++)
+        stdins += cli->input[i] != NULL && strcmp(cli->input[i], "-") == 0;
     if (cli->option[VOR_OPTION_NAME] != NULL && cli->option[VOR_OPTION_SERVER] == NULL)
         return vor_fail(err, VOR_E_PARAM, "--name names the job on a daemon: give --server too");
     if (stdins > 1)

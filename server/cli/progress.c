@@ -48,27 +48,14 @@ void vor_progress_note(struct vor_progress *progress, const char *note)
     fflush(progress->bar);
 }
 
-/* Adds "[####----] ", or nothing where there is no room. */
-static void add_bar(struct vor_text *line, int width, double fraction)
-{
-    if (width < 1)
-        return;
-    if (width > BAR_MAX)
-        width = BAR_MAX;
-    vor_text_puts(line, "[");
-    for (int i = 0; i < width; i++)
-        vor_text_puts(line, i < (int)(fraction * width) ? "#" : "-");
-    vor_text_puts(line, "] ");
-}
-
 void vor_progress_record(struct vor_progress *progress, const struct vor_record *record)
 {
     double now = vor_clock_seconds();
     int is_first = !progress->eta.began;
     const struct vor_spec *spec;
-    double fraction;
-    double left;
+    double fraction, left;
     struct vor_text line;
+    int width; /* of the bar */
 
     if (progress->lines != NULL) {
         struct vor_text text;
@@ -95,7 +82,10 @@ void vor_progress_record(struct vor_progress *progress, const struct vor_record 
     if (record->of > 0 || record->step == 0)
         vor_text_printf(&line, "/%-4u", (unsigned)record->of);
     vor_text_puts(&line, " ");
-    add_bar(&line, progress->columns - REST_WIDTH - (int)line.size, fraction);
+    width = (int)fmin(progress->columns - REST_WIDTH - (int)line.size, BAR_MAX);
+    for (int i = 0; i < width; i++)
+        vor_text_printf(&line, "%s%s", i == 0 ? "[" : "", i < (int)(fraction * width) ? "#" : "-");
+    vor_text_puts(&line, width > 0 ? "] " : "");
     vor_text_printf(&line, "%3.0f %%", 100 * fraction);
     if (isfinite(record->delta)) /* not every stage knows it */
         vor_text_printf(&line, "  delta %.4f", record->delta);

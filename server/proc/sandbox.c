@@ -81,12 +81,9 @@ static vor_status set_limits(const struct vor_sandbox *sandbox, struct vor_error
 {
     vor_status status = limit(RLIMIT_CORE, 0, 0, "core files", err);
 
-    if (status == VOR_OK)
-        status = limit(RLIMIT_FSIZE, 0, 0, "file sizes", err);
-    if (status == VOR_OK)
-        status = limit(RLIMIT_NOFILE, FDS, 0, "descriptors", err);
-    if (status == VOR_OK)
-        status = limit(RLIMIT_NPROC, 0, 0, "processes", err);
+    VOR_THEN(status, limit(RLIMIT_FSIZE, 0, 0, "file sizes", err));
+    VOR_THEN(status, limit(RLIMIT_NOFILE, FDS, 0, "descriptors", err));
+    VOR_THEN(status, limit(RLIMIT_NPROC, 0, 0, "processes", err));
     if (status == VOR_OK)
         /* The soft one is told apart from being killed for want of memory. */
         status = limit(RLIMIT_CPU, sandbox->cpu_seconds, 1, "CPU time", err);

@@ -90,11 +90,6 @@ static void die_with(pid_t parent)
         _exit(EXIT_FAILURE);
 }
 
-static void set_name(const char *name)
-{
-    (void)prctl(PR_SET_NAME, name, 0, 0, 0);
-}
-
 static _Noreturn void be_child(const struct children *children, pid_t parent,
                                const struct request *request, struct vor_message *message)
 {
@@ -108,7 +103,7 @@ static _Noreturn void be_child(const struct children *children, pid_t parent,
     keep_fds(fds, count);
     (void)sigemptyset(&none);
     (void)sigprocmask(SIG_SETMASK, &none, NULL);
-    set_name(kind->name);
+    (void)prctl(PR_SET_NAME, kind->name, 0, 0, 0);
     _exit(kind->run(fds[0], &fds[1], count - 1));
 }
 
@@ -164,16 +159,6 @@ static int serve_request(struct children *children)
     return 1;
 }
 
-/* The index of a child; the count when there is none. */
-static unsigned find(const struct children *children, pid_t pid)
-{
-    unsigned i = 0;
-
-    while (i < children->count && children->child[i].pid != pid)
-        i++;
-    return i;
-}
-
 static double seconds_of(const struct timeval *time)
 {
     return (double)time->tv_sec + (double)time->tv_usec * 1e-6;
@@ -189,8 +174,10 @@ static void reap(struct children *children)
     while ((pid = wait4(-1, &status, WNOHANG, &used)) > 0) {
         struct vor_child_end end = {.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0,
                                     .status = WIFEXITED(status) ? WEXITSTATUS(status) : 0};
-        unsigned i = find(children, pid);
+        unsigned i = 0;
 
+        while (i < children->count && children->child[i].pid != pid)
+            i++;
         if (i == children->count)
             continue;
         end.cpu_seconds = seconds_of(&used.ru_utime) + seconds_of(&used.ru_stime);
@@ -258,7 +245,7 @@ static _Noreturn void be_zygote(struct children *children, pid_t parent)
     (void)sigaddset(&child, SIGCHLD);
     (void)sigprocmask(SIG_SETMASK, &child, NULL);
     children->signals = signalfd(-1, &child, SFD_CLOEXEC | SFD_NONBLOCK);
-    set_name("vor-zygote");
+    (void)prctl(PR_SET_NAME, "vor-zygote", 0, 0, 0);
     if (children->signals >= 0)
         supervise(children);
     for (unsigned i = 0; i < children->count; i++)

@@ -557,9 +557,8 @@ static vor_status open_store(struct vor_store **out, const char *place, int may_
         status = fail_held(err);
     }
     VOR_THEN(status, vor_postgres_prepare_schema(&db->base.base, err));
-    if (status == VOR_OK)
-        status = vor_sql_query(&db->base.base, take_secret, db->base.base.secret, err,
-                               "SELECT secret FROM voronoid_schema", "");
+    VOR_THEN(status, vor_sql_query(&db->base.base, take_secret, db->base.base.secret, err,
+                                   "SELECT secret FROM voronoid_schema", ""));
     if (status == VOR_OK)
         *out = &db->base.base;
     else

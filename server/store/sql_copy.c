@@ -135,12 +135,10 @@ static vor_status find_rest(struct vor_store *from, struct vor_store *into, int6
         return status;
     status = vor_sql_query(into, take_id, &newest, err,
                            "SELECT id FROM job ORDER BY seq DESC LIMIT 1", "");
-    if (status == VOR_OK)
-        status = vor_sql_query(from, vor_sql_take_number, after, err,
-                               "SELECT seq FROM job WHERE id = ?", "t", newest.text);
-    if (status == VOR_OK)
-        status = vor_sql_query(from, vor_sql_take_number, &first, err,
-                               "SELECT count(*) FROM job WHERE seq <= ?", "i", *after);
+    VOR_THEN(status, vor_sql_query(from, vor_sql_take_number, after, err,
+                                   "SELECT seq FROM job WHERE id = ?", "t", newest.text));
+    VOR_THEN(status, vor_sql_query(from, vor_sql_take_number, &first, err,
+                                   "SELECT count(*) FROM job WHERE seq <= ?", "i", *after));
     if (status == VOR_OK && first != *were_there)
         return vor_fail(err, VOR_E_IO,
                         "the database has %lld jobs that this move did not write: choose an empty "
@@ -160,9 +158,8 @@ vor_status vor_store_copy(struct vor_store *into, struct vor_store *from,
     VOR_THEN(status, count(from, &wanted, err));
     for (int64_t left = wanted - there; left > 0 && status == VOR_OK; left--)
         status = copy_next(from, &copying, err);
-    if (status == VOR_OK)
-        status =
-            vor_sql_query(from, copy_turn, &copying, err, "SELECT principal, turn FROM ledger", "");
+    VOR_THEN(status, vor_sql_query(from, copy_turn, &copying, err,
+                                   "SELECT principal, turn FROM ledger", ""));
     VOR_THEN(status, copying.status);
     VOR_THEN(status, count(into, &there, err));
     out->jobs = (uint64_t)there;

@@ -235,8 +235,7 @@ static vor_status end(struct vor_sql *sql_db, vor_status status, struct vor_erro
 {
     struct sqlite *db = (struct sqlite *)sql_db;
 
-    if (status == VOR_OK)
-        status = run(db, &db->writer, "COMMIT", err);
+    VOR_THEN(status, run(db, &db->writer, "COMMIT", err));
     if (status != VOR_OK && !sqlite3_get_autocommit(db->writer.handle))
         (void)sqlite3_exec(db->writer.handle, "ROLLBACK", NULL, NULL, NULL);
     release_writer(db);

@@ -63,17 +63,6 @@ static vor_status decode_to(struct vor_blob_writer *writer, struct vor_codec_fac
     return status == VOR_OK ? vor_blob_seal(writer, err) : status;
 }
 
-/* For /metrics: the upload in a file could not be decoded. */
-static void count_undecodable(int fd, vor_status status)
-{
-    uint8_t magic[16];
-    ssize_t size = pread(fd, magic, sizeof magic, 0);
-    const struct vor_format *format = size > 0 ? vor_format_sniff(magic, (size_t)size) : NULL;
-
-    vor_metric_add(VOR_METRIC_DECODE_ERRORS, 1,
-                   VOR_LABELS(format != NULL ? format->name : "none", vor_status_slug(status)));
-}
-
 static vor_status decode(struct vor_admitted_input *input, const struct vor_uuid *id,
                          struct vor_blobs *blobs, struct vor_blob_writer *upload,
                          const struct vor_admit_limits *limits, struct vor_error *err)
@@ -82,6 +71,9 @@ static vor_status decode(struct vor_admitted_input *input, const struct vor_uuid
     struct vor_codec_facts facts = {0};
     char blob[VOR_BLOB_NAME_MAX + 1];
     struct vor_blob_writer *writer;
+    const struct vor_format *format = NULL;
+    uint8_t magic[16];
+    ssize_t size;
     vor_status status;
 
     if (vor_blob_size(upload) == 0)
@@ -93,7 +85,11 @@ static vor_status decode(struct vor_admitted_input *input, const struct vor_uuid
     status = decode_to(writer, &facts, upload, limits, err);
     if (status != VOR_OK) {
         vor_blob_discard(writer);
-        count_undecodable(vor_blob_fd(upload), status);
+        size = pread(vor_blob_fd(upload), magic, sizeof magic, 0);
+        if (size > 0)
+            format = vor_format_sniff(magic, (size_t)size);
+        vor_metric_add(VOR_METRIC_DECODE_ERRORS, 1,
+                       VOR_LABELS(format != NULL ? format->name : "none", vor_status_slug(status)));
         return status;
     }
     input->found.format = facts.format;
@@ -255,27 +251,20 @@ struct vor_thread_pool *vor_admit_thread_pool(struct vor_admit *admit)
     return admit->pool;
 }
 
-/* Bytes; of gzip about what comes of it. */
-static uint64_t weight_of(const struct vor_uploads *uploads)
+enum vor_job_outcome vor_admit_submit(struct vor_admit *admit, struct vor_admission *admission)
 {
-    enum { GZIP_TYPICAL = 3 };
-    uint64_t weight = 0;
+    enum { GZIP_TYPICAL = 3 }; /* times its bytes come of it */
+    const struct vor_uploads *uploads = &admission->uploads;
 
+    admission->admit = admit;
+    admission->task =
+        (struct vor_task){.run = run_admission, .ctx = admission, .caller = admission->caller};
     for (unsigned i = 0; i < uploads->count; i++) {
         const struct vor_upload *upload = &uploads->item[i];
 
-        weight += (upload->whole != NULL ? upload->size : vor_blob_size(upload->bytes)) *
-                  (upload->is_gzip ? GZIP_TYPICAL : 1);
+        admission->task.weight +=
+            (upload->whole != NULL ? upload->size : vor_blob_size(upload->bytes)) *
+            (upload->is_gzip ? GZIP_TYPICAL : 1);
     }
-    return weight;
-}
-
-enum vor_job_outcome vor_admit_submit(struct vor_admit *admit, struct vor_admission *admission)
-{
-    admission->admit = admit;
-    admission->task = (struct vor_task){.run = run_admission,
-                                        .ctx = admission,
-                                        .caller = admission->caller,
-                                        .weight = weight_of(&admission->uploads)};
     return vor_thread_pool_submit(admit->pool, &admission->task, &admission->error);
 }

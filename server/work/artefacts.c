@@ -93,31 +93,14 @@ static vor_status make_file(int *out, const struct vor_cloud *cloud, const struc
     return VOR_OK;
 }
 
-/* Has a child write what is in the file, with what memory is left. */
-static vor_status write_file(const struct vor_sink *sink, const struct vor_codec_place *place,
-                             struct vor_codec_order *order, int fd, struct vor_memory *memory,
-                             struct vor_error *err)
-{
-    static const size_t MEMORY_MOST = (size_t)1 << 46; /* of an address space */
-    size_t left = memory->cap - atomic_load(&memory->used);
-    struct vor_codec_facts facts;
-    vor_status status;
-
-    order->memory = left < MEMORY_MOST ? left : MEMORY_MOST;
-    order->most = order->memory;
-    status = vor_codec_run(&facts, place, order, fd, sink, err);
-    /* The peak of the memory tells what the child took besides. */
-    if (status == VOR_OK && vor_memory_charge(memory, facts.memory))
-        vor_memory_release(memory, facts.memory);
-    return status;
-}
-
 vor_status vor_encode(const struct vor_sink *sink, const struct vor_codec_place *place,
                       const struct vor_cloud *cloud, unsigned format,
                       const struct vor_write_options *options, struct vor_error *err)
 {
+    static const size_t MEMORY_MOST = (size_t)1 << 46; /* of an address space */
     const struct vor_mesh *mesh = options->mesh;
-    size_t size = triangle_bytes(mesh);
+    size_t size = triangle_bytes(mesh), left;
+    struct vor_codec_facts facts;
     struct vor_codec_order order = {.op = VOR_CODEC_ENCODE, .format = format, .options = *options};
     vor_status status;
     int fd = -1;
@@ -133,8 +116,13 @@ vor_status vor_encode(const struct vor_sink *sink, const struct vor_codec_place 
         return vor_fail(err, VOR_E_NOMEM, "a copy of the result's %zu points", cloud->n);
     status = make_file(&fd, cloud, mesh, err);
     if (status == VOR_OK) {
-        status = write_file(sink, place, &order, fd, cloud->memory, err);
+        left = cloud->memory->cap - atomic_load(&cloud->memory->used);
+        order.most = order.memory = left < MEMORY_MOST ? left : MEMORY_MOST;
+        status = vor_codec_run(&facts, place, &order, fd, sink, err);
         (void)close(fd);
+        /* The peak of the memory tells what the child took besides. */
+        if (status == VOR_OK && vor_memory_charge(cloud->memory, facts.memory))
+            vor_memory_release(cloud->memory, facts.memory);
     }
     vor_memory_release(cloud->memory, size);
     return status;

@@ -211,29 +211,14 @@ static vor_status listen(struct run *run, struct vor_codec_facts *facts, struct 
     return status;
 }
 
-/* Sends the order to a child that was forked, and hears it out. */
-static vor_status converse(struct run *run, struct vor_codec_facts *facts, struct vor_error *err)
+static vor_status run_in_child(struct run *run, struct vor_codec_facts *facts, int input,
+                               struct vor_error *err)
 {
     struct vor_codec_start start = {
         .sandbox = {.memory = memory_for(run->order), .cpu_seconds = seconds_for(run->order->size)},
         .kind = run->place->sandbox,
         .order = *run->order};
     double patience = run->place->patience > 0 ? run->place->patience : 1;
-    vor_status status;
-
-    run->until = vor_clock_seconds() + WALL_PER_CPU * patience * start.sandbox.cpu_seconds;
-    status = vor_channel_send(run->child.channel, &start, sizeof start, NULL, 0, err);
-    if (status == VOR_OK)
-        status = listen(run, facts, err);
-    else if (err->got == EPIPE || err->got == ECONNRESET) /* it has ended before it heard a word */
-        status = take_end(run, err);
-    vor_child_free(&run->child); /* nobody waits until it is gone: it has nothing of ours */
-    return status;
-}
-
-static vor_status run_in_child(struct run *run, struct vor_codec_facts *facts, int input,
-                               struct vor_error *err)
-{
     char path[32];
     int fds[2];
     void *ring = vor_share(&fds[0], VOR_RING_SIZE, PROT_READ, vor_ring_flags(run->order->size));
@@ -254,7 +239,15 @@ static vor_status run_in_child(struct run *run, struct vor_codec_facts *facts, i
     }
     (void)close(fds[0]);
     run->ring = ring;
-    VOR_THEN(status, converse(run, facts, err));
+    run->until = vor_clock_seconds() + WALL_PER_CPU * patience * start.sandbox.cpu_seconds;
+    if (status == VOR_OK) {
+        status = vor_channel_send(run->child.channel, &start, sizeof start, NULL, 0, err);
+        if (status == VOR_OK)
+            status = listen(run, facts, err);
+        else if (err->got == EPIPE || err->got == ECONNRESET) /* it ended before it heard a word */
+            status = take_end(run, err);
+        vor_child_free(&run->child); /* nobody waits until it is gone: it has nothing of ours */
+    }
     (void)munmap(ring, VOR_RING_SIZE);
     return status;
 }

@@ -92,9 +92,8 @@ static double spacing_of(const struct conversion *conversion)
     return spacing;
 }
 
-/* Converts the file of a result into a blob that has no name yet. */
-static vor_status fill_blob(struct vor_blob_writer *writer, const struct conversion *conversion,
-                            int fd, uint64_t size, struct vor_error *err)
+static vor_status convert_file(const struct conversion *conversion, int fd, uint64_t size,
+                               struct vor_error *err)
 {
     const struct vor_conversions_config *config = &conversion->service->config;
     const struct vor_codec_order order = {.op = VOR_CODEC_CONVERT,
@@ -105,35 +104,28 @@ static vor_status fill_blob(struct vor_blob_writer *writer, const struct convers
                                           .format = conversion->format,
                                           .spacing = spacing_of(conversion),
                                           .spec = conversion->row.spec};
-    const struct vor_sink sink = vor_blob_sink(writer);
+    char name[VOR_BLOB_NAME_MAX + 1];
     struct trailer trailer = {.origin = ""};
+    struct vor_blob_writer *writer;
     struct vor_codec_facts facts;
-    vor_status status = vor_blob_compare(
-        fd, size, conversion->row.output[conversion->output].sha256, output_name(conversion), err);
+    struct vor_sink sink;
+    vor_status status = vor_blob_create(config->blobs, &writer, err);
 
+    if (status != VOR_OK)
+        return status;
+    sink = vor_blob_sink(writer);
+    status = vor_blob_compare(fd, size, conversion->row.output[conversion->output].sha256,
+                              output_name(conversion), err);
     VOR_THEN(status, vor_blob_promise(writer, 0, err));
     VOR_THEN(status, vor_codec_run(&facts, &config->place, &order, fd, &sink, err));
     if (status == VOR_E_IO)
         (void)vor_blob_failure(writer, err);
-    if (status != VOR_OK)
-        return status;
-    vor_blob_sha256(writer, trailer.sha256);
-    if (facts.has_origin)
-        (void)vor_origin_text(facts.origin, trailer.origin);
-    return vor_blob_append(writer, &trailer, sizeof trailer, err);
-}
-
-static vor_status convert_file(const struct conversion *conversion, int fd, uint64_t size,
-                               struct vor_error *err)
-{
-    struct vor_blobs *blobs = conversion->service->config.blobs;
-    char name[VOR_BLOB_NAME_MAX + 1];
-    struct vor_blob_writer *writer;
-    vor_status status = vor_blob_create(blobs, &writer, err);
-
-    if (status != VOR_OK)
-        return status;
-    status = fill_blob(writer, conversion, fd, size, err);
+    if (status == VOR_OK) {
+        vor_blob_sha256(writer, trailer.sha256);
+        if (facts.has_origin)
+            (void)vor_origin_text(facts.origin, trailer.origin);
+        status = vor_blob_append(writer, &trailer, sizeof trailer, err);
+    }
     if (status != VOR_OK) {
         vor_blob_discard(writer);
         return status;

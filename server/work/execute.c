@@ -193,51 +193,26 @@ static vor_status try_files(struct run *run, const struct vor_artefacts *out, st
     return status;
 }
 
-/* Lets time pass; false once the run is cancelled. */
-static int wait_for_room(struct run *run, double seconds)
-{
-    const struct timespec look = {0, 20 * 1000 * 1000};
-    double until = vor_clock_seconds() + seconds;
-
-    while (asked(run) != VOR_CANCEL) {
-        if (vor_clock_seconds() >= until)
-            return 1;
-        (void)nanosleep(&look, NULL);
-    }
-    return 0;
-}
-
-/* The same, however long the disk is full. */
+/* The same, however long the disk is full, unless the run is cancelled. */
 static vor_status write_files(struct run *run, const struct vor_artefacts *out,
                               struct vor_error *err)
 {
+    const struct timespec look = {0, 20 * 1000 * 1000};
     double pause = retry_seconds;
 
     for (;;) {
         vor_status status = try_files(run, out, err);
+        double until = vor_clock_seconds() + pause;
 
         if (status != VOR_E_IO || !vor_error_storage_full(err))
             return status;
         say(run, VOR_SAID_WAITS, err);
-        if (!wait_for_room(run, pause))
+        while (asked(run) != VOR_CANCEL && vor_clock_seconds() < until)
+            (void)nanosleep(&look, NULL);
+        if (asked(run) == VOR_CANCEL)
             return vor_fail(err, VOR_E_CANCELLED, "cancelled while the disk was full");
         pause *= pause < retry_seconds_max ? 2 : 1;
     }
-}
-
-/* Writes the output that goes into the row. */
-static vor_status write_kept(struct run *run, const struct vor_artefacts *out,
-                             struct vor_error *err)
-{
-    const struct vor_artefact_info *outputs = run->order->spec.process->outputs;
-
-    for (unsigned i = 0; outputs[i].name != NULL; i++) {
-        if (!vor_output_in_row(&outputs[i]))
-            continue;
-        vor_json_document(run->kept, &vor_artefacts_find(out, outputs[i].name)->document);
-        run->result->output[i].bytes = run->kept->size;
-    }
-    return vor_text_status(run->kept, err);
 }
 
 /* "300 points after 12 iterations, delta 0.0212" of a run that spreads points; else what the main
@@ -264,6 +239,7 @@ static void describe(struct run *run, const struct vor_report *report)
 
 static vor_status save(struct run *run, struct vor_artefacts *out, struct vor_error *err)
 {
+    const struct vor_artefact_info *outputs = run->order->spec.process->outputs;
     struct vor_report *report = vor_artefacts_values(out, "report", &vor_report_members);
     double began = vor_clock_seconds();
     vor_status status;
@@ -278,7 +254,7 @@ static vor_status save(struct run *run, struct vor_artefacts *out, struct vor_er
     if (report != NULL) {
         /* What the engine cannot know. */
         first = &run->result->output[0];
-        main = vor_artefacts_find(out, run->order->spec.process->outputs[0].name);
+        main = vor_artefacts_find(out, outputs[0].name);
         if (main->kind == VOR_ARTEFACT_CLOUD)
             vor_codec_report_dropped(report, &main->cloud, &main->mesh, vor_format(first->format));
         report->seconds_read = run->order->seconds_read;
@@ -289,7 +265,13 @@ static vor_status save(struct run *run, struct vor_artefacts *out, struct vor_er
         run->result->report = *report;
     }
     describe(run, report);
-    return write_kept(run, out, err);
+    for (unsigned i = 0; outputs[i].name != NULL; i++) {
+        if (!vor_output_in_row(&outputs[i]))
+            continue;
+        vor_json_document(run->kept, &vor_artefacts_find(out, outputs[i].name)->document);
+        run->result->output[i].bytes = run->kept->size;
+    }
+    return vor_text_status(run->kept, err);
 }
 
 vor_status vor_execute(struct vor_run_result *result, struct vor_text *kept,

@@ -118,15 +118,6 @@ static void show_elsewhere(struct run *run, int is_running)
     free(bytes);
 }
 
-static void take_points(struct run *run, const struct vor_shown *shown)
-{
-    const struct vor_preview *preview = vor_job_preview(run->job);
-
-    vor_job_show(run->job, shown);
-    if (vor_preview_is_looked_at_elsewhere(preview, 0))
-        show_elsewhere(run, 1);
-}
-
 static void take(void *ctx, enum vor_said what, const void *of)
 {
     struct run *run = ctx;
@@ -148,7 +139,9 @@ static void take(void *ctx, enum vor_said what, const void *of)
         tell_wait(run, of);
         break;
     case VOR_SAID_POINTS:
-        take_points(run, of);
+        vor_job_show(run->job, of);
+        if (vor_preview_is_looked_at_elsewhere(vor_job_preview(run->job), 0))
+            show_elsewhere(run, 1);
         break;
     default:
         break;
@@ -167,37 +160,17 @@ static int file_of(void *ctx)
 
 /* --- the order and its files ------------------------------------------------------------------ */
 
-static vor_status open_inputs(struct run *run, struct vor_error *err)
-{
-    const struct vor_artefact_info *inputs = run->view.spec.process->inputs;
-    vor_status status = VOR_OK;
-
-    for (unsigned i = 0; inputs[i].name != NULL && status == VOR_OK; i++) {
-        char blob[VOR_BLOB_NAME_MAX + 1];
-        uint64_t size;
-        int found;
-
-        if ((run->view.inputs >> i & 1) == 0)
-            continue;
-        status = vor_blob_get(run->service->config.blobs, &run->view.id,
-                              vor_blob_of_input(inputs[i].name, blob), &run->order.input[i], &size,
-                              &found, err);
-        if (status == VOR_OK && !found)
-            status = vor_fail(err, VOR_E_INTERNAL, "the job's input %s no longer exists",
-                              inputs[i].name);
-    }
-    return status;
-}
-
 static vor_status place_order(struct run *run, struct vor_error *err)
 {
+    const struct vor_artefact_info *inputs = run->view.spec.process->inputs;
     const struct vor_artefact_info *outputs = run->view.spec.process->outputs;
     struct vor_blobs *blobs = run->service->config.blobs;
     struct vor_order *order = &run->order;
     char blob[VOR_BLOB_NAME_MAX + 1];
     struct vor_error why;
     uint64_t size;
-    vor_status status;
+    int found;
+    vor_status status = VOR_OK;
 
     *order = (struct vor_order){.spec = run->view.spec,
                                 .format = run->view.input[0].format,
@@ -207,7 +180,15 @@ static vor_status place_order(struct run *run, struct vor_error *err)
     vor_order_forget(order);
     for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
         order->seconds_read += run->view.input[i].seconds;
-    status = open_inputs(run, err);
+    for (unsigned i = 0; inputs[i].name != NULL && status == VOR_OK; i++) {
+        if ((run->view.inputs >> i & 1) == 0)
+            continue;
+        status = vor_blob_get(blobs, &run->view.id, vor_blob_of_input(inputs[i].name, blob),
+                              &order->input[i], &size, &found, err);
+        if (status == VOR_OK && !found)
+            status = vor_fail(err, VOR_E_INTERNAL, "the job's input %s no longer exists",
+                              inputs[i].name);
+    }
     /* A checkpoint that cannot be had is done without. */
     if (status == VOR_OK && run->view.attempt > 1 &&
         vor_blob_get(blobs, &run->view.id, vor_blob_of_input(VOR_BLOB_CHECKPOINT, blob),

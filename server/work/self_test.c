@@ -48,10 +48,8 @@ static vor_status run_engine(struct vor_artefacts *out, struct vor_artefacts *in
     vor_spec_init(&spec);
     vor_cloud_init(&sphere, run->memory);
     status = vor_spec_set_number(&spec, "points", VOR_SELF_TEST_POINTS, err);
-    if (status == VOR_OK)
-        status = vor_spec_set_number(&spec, "iterations", ITERATIONS, err);
-    if (status == VOR_OK)
-        status = vor_spec_set_number(&spec, "polish", ITERATIONS, err);
+    VOR_THEN(status, vor_spec_set_number(&spec, "iterations", ITERATIONS, err));
+    VOR_THEN(status, vor_spec_set_number(&spec, "polish", ITERATIONS, err));
     VOR_THEN(status, vor_spec_check(&spec, err));
     VOR_THEN(status, vor_cloud_resize(&sphere, VOR_SELF_TEST_INPUT, err));
     if (status != VOR_OK)

@@ -47,18 +47,6 @@ static int take_job(struct vor_runner *runner, const struct vor_job_view *row)
     return 1;
 }
 
-/* A claimed row cannot be run, and is to wait again. */
-static void untake_job(struct vor_job_service *service, const struct vor_job_view *row)
-{
-    struct vor_hand_back back = {.lease = {service->owner.text, row->attempt},
-                                 .now_ms = row->updated};
-
-    vor_log(VOR_LOG_WARN, "a job cannot begin here yet; it keeps waiting", VOR_OF_JOB(row));
-    while (!vor_job_service_hand_back(service, &row->id, &back) &&
-           !vor_job_service_pause(service, again_seconds))
-        continue; /* the next start finds it otherwise */
-}
-
 /* accepted -> running of the next job, which the runner then has; false when there is none, or it
  * may not run yet. Tries again where the store or memory fails. */
 static int claim_next(struct vor_runner *runner, struct vor_job_view *row)
@@ -78,8 +66,14 @@ static int claim_next(struct vor_runner *runner, struct vor_job_view *row)
         pthread_mutex_unlock(&service->claim);
         if (status == VOR_OK && found == taken)
             return taken;
-        if (found) {
-            untake_job(service, row);
+        if (found) { /* it is to wait again */
+            struct vor_hand_back back = {.lease = {service->owner.text, row->attempt},
+                                         .now_ms = row->updated};
+
+            vor_log(VOR_LOG_WARN, "a job cannot begin here yet; it keeps waiting", VOR_OF_JOB(row));
+            while (!vor_job_service_hand_back(service, &row->id, &back) &&
+                   !vor_job_service_pause(service, again_seconds))
+                continue; /* the next start finds it otherwise */
         } else {
             atomic_store(&service->may_be_unheard, 1);
             vor_log(VOR_LOG_ERROR, "no job can be claimed", VOR_TEXT("error", err.message));
@@ -173,9 +167,8 @@ static vor_status start_threads(struct vor_job_service *service, struct vor_erro
                               err);
         service->keeper_started = status == VOR_OK;
     }
-    if (status == VOR_OK)
-        status = start_thread(&service->sweeper, "vor-sweeper", vor_job_service_sweep_on, service,
-                              "deletes expired jobs", err);
+    VOR_THEN(status, start_thread(&service->sweeper, "vor-sweeper", vor_job_service_sweep_on,
+                                  service, "deletes expired jobs", err));
     service->sweeper_started = status == VOR_OK;
     return status;
 }

@@ -56,20 +56,6 @@ static vor_status begin_expiry_clock(struct vor_job_service *service, struct vor
     return VOR_OK;
 }
 
-static int move_rows(struct vor_job_service *service, int64_t by)
-{
-    struct vor_error err;
-
-    if (vor_store_shift(service->config.store, by, &err) != VOR_OK) {
-        vor_log(VOR_LOG_ERROR, "the clock jumped, and expiry times could not be adjusted",
-                VOR_TEXT("error", err.message));
-        return 0;
-    }
-    vor_log(VOR_LOG_WARN, "the clock jumped: expiry times are adjusted",
-            VOR_REAL("by_s", (double)by / 1000));
-    return 1;
-}
-
 /* Looks for a jump and moves what it would expire. True when rows may expire now. */
 static int look_at_clock(struct vor_job_service *service)
 {
@@ -77,13 +63,21 @@ static int look_at_clock(struct vor_job_service *service)
     int64_t wall = vor_clock_wall_ms(), steady = vor_clock_boot_ms();
     int64_t jump = wall - expiry_clock->wall - (steady - expiry_clock->steady);
     int64_t passed = steady - expiry_clock->began, ahead = wall - expiry_clock->newest - passed;
+    struct vor_error err;
 
     if (vor_store_is_shared(service->config.store))
         return 1;
-    if (expiry_clock->unsure) /* until it fits, or an hour has passed */
+    if (expiry_clock->unsure) { /* until it fits, or an hour has passed */
         expiry_clock->unsure = passed <= unsure_ms && (ahead > unsure_ms || ahead < -jump_ms);
-    else if ((jump > jump_ms || jump < -jump_ms) && !move_rows(service, jump))
-        return 0;
+    } else if (jump > jump_ms || jump < -jump_ms) {
+        if (vor_store_shift(service->config.store, jump, &err) != VOR_OK) {
+            vor_log(VOR_LOG_ERROR, "the clock jumped, and expiry times could not be adjusted",
+                    VOR_TEXT("error", err.message));
+            return 0;
+        }
+        vor_log(VOR_LOG_WARN, "the clock jumped: expiry times are adjusted",
+                VOR_REAL("by_s", (double)jump / 1000));
+    }
     expiry_clock->wall = wall;
     expiry_clock->steady = steady;
     return !expiry_clock->unsure;
@@ -182,12 +176,6 @@ static void note_blob(void *ctx, const struct vor_uuid *id, const char *name)
     found->blobs[found->count].id = *id;
     (void)snprintf(found->blobs[found->count].name, sizeof found->blobs[0].name, "%s", name);
     found->count++;
-}
-
-/* Looks which blobs there are now. */
-static vor_status find_blobs(struct vor_job_service *service, struct vor_error *err)
-{
-    return vor_blobs_list(service->config.blobs, note_blob, service, err);
 }
 
 /* The output of an attempt that a blob is of, be it converted; NULL for none. */
@@ -416,7 +404,8 @@ vor_status vor_job_service_recover(struct vor_job_service *service, struct vor_e
         status = VOR_OK;
     }
     service->found.is_first = !vor_store_is_shared(service->config.store);
-    return status == VOR_OK ? find_blobs(service, err) : status;
+    VOR_THEN(status, vor_blobs_list(service->config.blobs, note_blob, service, err));
+    return status;
 }
 
 /* Recovers if there is room by now. */
@@ -509,7 +498,7 @@ void *vor_job_service_sweep_on(void *arg)
             continue;
         if (now - tidied >= tidy && service->found.count == 0) {
             tidied = now;
-            if (find_blobs(service, &err) != VOR_OK)
+            if (vor_blobs_list(service->config.blobs, note_blob, service, &err) != VOR_OK)
                 vor_log(VOR_LOG_WARN, "files are not listed", VOR_TEXT("error", err.message));
         }
         if (now - swept < sweep_seconds)

@@ -188,21 +188,6 @@ static long read_flow(struct vor_request *request, char *out, size_t size)
     return got == 0 && whole ? -1 : got;
 }
 
-static void send_flow(struct vor_request *request, int http, struct output *out, uint64_t offset,
-                      uint64_t length)
-{
-    struct flowing *flowing = calloc(1, sizeof *flowing);
-
-    if (flowing == NULL) {
-        (void)vor_problem_no_memory(request);
-        return;
-    }
-    *flowing = (struct flowing){out->flow, offset, offset + length};
-    out->flow = NULL;
-    vor_request_set_state(request, flowing, release_flow);
-    vor_reply_stream(request, http, out->media_type, length, read_flow);
-}
-
 static void send_part(struct vor_request *request, int http, struct output *out, uint64_t offset,
                       uint64_t length)
 {
@@ -211,7 +196,16 @@ static void send_part(struct vor_request *request, int http, struct output *out,
         return;
     }
     if (out->flow != NULL) {
-        send_flow(request, http, out, offset, length);
+        struct flowing *flowing = calloc(1, sizeof *flowing);
+
+        if (flowing == NULL) {
+            (void)vor_problem_no_memory(request);
+            return;
+        }
+        *flowing = (struct flowing){out->flow, offset, offset + length};
+        out->flow = NULL;
+        vor_request_set_state(request, flowing, release_flow);
+        vor_reply_stream(request, http, out->media_type, length, read_flow);
         return;
     }
     vor_reply_file(request, http, out->media_type, out->fd, offset, length);

@@ -75,34 +75,13 @@ static void look_into(struct found *found, const struct vor_json *object, const 
 
 /* --- the answer ------------------------------------------------------------------------------- */
 
-static void refuse(struct vor_request *request, struct found *found)
-{
-    const char *id = found->process->id;
-    char detail[1024];
-
-    if (found->count == 0) {
-        vor_problem_say(request, "unsupported-format",
-                        "the body is JSON, want a cloud, or a form (multipart/form-data) with one; "
-                        "parameters belong in the query, as in /v1/%s?seed=1",
-                        id);
-        return;
-    }
-    (void)snprintf(
-        detail, sizeof detail,
-        "%s is in a JSON body, at %s; parameters belong in the query, with the cloud as the body: "
-        "POST /v1/%s?%s; or in fields of a form (multipart/form-data), with the cloud as its file",
-        found->place[0].name, found->place[0].pointer, id,
-        found->query.data != NULL ? found->query.data : "...");
-    vor_problem_reply(request, &VOR_PROBLEM("invalid-parameter", .detail = detail,
-                                            .errors = found->errors, .error_count = found->count));
-}
-
 void vor_submit_json_refuse(struct vor_request *request, const struct vor_process_info *process,
                             const struct vor_text *body)
 {
     struct found found = {.process = process};
     struct vor_json *json = NULL;
     struct vor_error err;
+    char detail[1024];
 
     if (vor_text_status(body, &err) != VOR_OK ||
         vor_json_parse(&json, body->data != NULL ? body->data : "", body->size, &err) != VOR_OK) {
@@ -112,7 +91,22 @@ void vor_submit_json_refuse(struct vor_request *request, const struct vor_proces
     vor_text_init(&found.query, 0);
     if (vor_json_kind(json) == VOR_JSON_OBJECT)
         look_into(&found, json, "", 1);
-    refuse(request, &found);
+    if (found.count > 0) {
+        (void)snprintf(detail, sizeof detail,
+                       "%s is in a JSON body, at %s; parameters belong in the query, with the "
+                       "cloud as the body: POST /v1/%s?%s; or in fields of a form "
+                       "(multipart/form-data), with the cloud as its file",
+                       found.place[0].name, found.place[0].pointer, process->id,
+                       found.query.data != NULL ? found.query.data : "...");
+        vor_problem_reply(request,
+                          &VOR_PROBLEM("invalid-parameter", .detail = detail,
+                                       .errors = found.errors, .error_count = found.count));
+    } else {
+        vor_problem_say(request, "unsupported-format",
+                        "the body is JSON, want a cloud, or a form (multipart/form-data) with one; "
+                        "parameters belong in the query, as in /v1/%s?seed=1",
+                        process->id);
+    }
     vor_text_free(&found.query);
     vor_json_free(json);
 }
