@@ -107,6 +107,13 @@ static inline double vor_distance2f(const float a[3], const float b[3])
     return x * x + y * y + z * z;
 }
 
+static inline double vor_distance2(const double a[3], const double b[3])
+{
+    double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+
+    return vor_dot(d, d);
+}
+
 /** Computes the eigenvalues, ascending, and unit eigenvectors (rows of `vectors`, right-handed) of
  *  a symmetric matrix with upper triangle m = {xx, xy, xz, yy, yz, zz}. Cyclic Jacobi method; exact
  *  zeros stay zero. It uses no function whose bits differ between machines. Cannot fail; O(1). */

@@ -160,19 +160,12 @@ static void set_wall(struct vor_energy_plane *flat, const struct vor_planes *p,
     flat->wall[1] = vor_dot(&axes[3], way);
 }
 
-/* A bound of the curvatures of a surface; 0 of a plane. */
-static double bend_of(const struct vor_surface *surface)
-{
-    const double *c = surface->c;
-
-    return 2 * (fabs(c[3]) + fabs(c[4]) + fabs(c[5]));
-}
-
 /* Fits the surface of seed i and takes its plane there. */
 static void freeze_seed(const struct freeze *freeze, struct vor_scratch *scratch, size_t i)
 {
     struct vor_planes *p = freeze->planes;
     struct vor_plane *plane = &p->plane[i];
+    const double *bend;
     double radius, x[3], at[3], *axes = &p->axes[9 * i];
 
     vor_seeds_position(p->seeds, i, x);
@@ -185,7 +178,9 @@ static void freeze_seed(const struct freeze *freeze, struct vor_scratch *scratch
         return;
     if (!(find_near(freeze, i, &radius) > 0) && p->width > 0)
         vor_seeds_part(i, p->near[i * p->width], APART, &freeze->y[2 * i]);
-    radius = fmin(fmin(radius, ALONE * p->spacing), BENT / bend_of(&scratch->here.surface));
+    bend = scratch->here.surface.c;
+    radius = fmin(fmin(radius, ALONE * p->spacing),
+                  BENT / (2 * (fabs(bend[3]) + fabs(bend[4]) + fabs(bend[5]))));
     vor_surface_to_local(&scratch->here.surface, x, at);
     set_axes(axes, &scratch->here.surface, at);
     plane->flat.power = freeze->power;

@@ -64,14 +64,6 @@ static void take_out(double *column, const struct fit *fit, unsigned count)
     }
 }
 
-static double term(const struct fit *fit, unsigned b, unsigned j)
-{
-    const double terms[SHARED_TERMS] = {1, fit->u[j], fit->v[j], fit->u[j] * fit->v[j],
-                                        fit->v[j] * fit->v[j]};
-
-    return terms[b];
-}
-
 /* By how much a further column lowers the sum of squares of rest, and its coefficient. */
 static double gain_of(const struct fit *fit, const double *column, double *coefficient)
 {
@@ -208,7 +200,8 @@ void vor_crease_fit(struct vor_crease *out, const float *near, unsigned k, doubl
         double *q = fit.q[b], before, after, scale;
 
         for (unsigned j = 0; j < fit.k; j++)
-            q[j] = term(&fit, b, j);
+            q[j] = ((double[SHARED_TERMS]){1, fit.u[j], fit.v[j], fit.u[j] * fit.v[j],
+                                           fit.v[j] * fit.v[j]})[b];
         before = dot(q, q, fit.k);
         take_out(q, &fit, b);
         after = dot(q, q, fit.k);

@@ -89,13 +89,6 @@ static double sum_up(double *a, double *b, const struct vor_fillet *fillet,
     return sum;
 }
 
-static void turn(struct vor_fillet *fillet)
-{
-    const double(*n)[2] = (const double(*)[2])fillet->side;
-
-    fillet->cosine = n[0][0] * n[1][0] + n[0][1] * n[1][1];
-}
-
 static void add(struct vor_fillet *fillet, const double *step, double widest)
 {
     for (int l = 0; l < 2; l++) {
@@ -111,7 +104,8 @@ static void add(struct vor_fillet *fillet, const double *step, double widest)
         h[2] += s[3];
     }
     fillet->radius = fmin(fmax(fillet->radius + step[2 * SIDE_TERMS], 0), widest);
-    turn(fillet);
+    fillet->cosine =
+        fillet->side[0][0] * fillet->side[1][0] + fillet->side[0][1] * fillet->side[1][1];
 }
 
 /* Improves a fillet; returns the sum of squares. Once its radius is 0 it stays so: nothing depends

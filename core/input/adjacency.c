@@ -399,13 +399,6 @@ static void probe_normals(struct vor_walk *walk, const struct vor_domain *domain
     }
 }
 
-/* Whether n points lie in a disc, and not along a few scan lines. */
-static int is_round(const struct vor_surface *own, unsigned n)
-{
-    return M_PI * own->reach * own->reach <
-           PROBE_ROUND * PROBE_ROUND * n * own->spacing * own->spacing;
-}
-
 static int shows_sheets(const struct vor_domain *domain, uint32_t i, struct seen *seen,
                         struct vor_knn_last *last)
 {
@@ -427,7 +420,9 @@ static int shows_sheets(const struct vor_domain *domain, uint32_t i, struct seen
         n = vor_sheet_walk_go(&walk, &own, &plain, domain, index);
     }
     return n > 0 && own.off2 < better2 && own.spacing > PROBE_SPARSER * plain.spacing &&
-           is_round(&own, n) && vor_sheet_walk_left_over(&walk, &own, domain, index, n);
+           M_PI * own.reach * own.reach < /* in a disc, and not along a few scan lines */
+               PROBE_ROUND * PROBE_ROUND * n * own.spacing * own.spacing &&
+           vor_sheet_walk_left_over(&walk, &own, domain, index, n);
 }
 
 static void probe_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)

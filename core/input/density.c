@@ -149,11 +149,6 @@ static double curvature_at(const struct work *work, size_t i)
     return fmax(fabs(kappa[0]), floor) + fmax(fabs(kappa[1]), floor);
 }
 
-static double distance(const struct work *work, size_t i, size_t j)
-{
-    return sqrt(vor_distance2f(&work->field->xyz[3 * i], &work->field->xyz[3 * j]));
-}
-
 /* Whether a curvature is taken at point i: at each so manieth, and at one that has none of these
  * among its neighbours. */
 static int is_taken(const struct work *work, size_t i)
@@ -172,7 +167,9 @@ static void density_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
     const struct work *work = ctx;
     const struct vor_graph *graph = &work->graph;
     unsigned count = graph->count[i];
-    double far = distance(work, i, graph->list[i * graph->most + count - 1]);
+    const float *xyz = work->field->xyz;
+    double far = sqrt(
+        vor_distance2f(&xyz[3 * i], &xyz[3 * (size_t)graph->list[i * graph->most + count - 1]]));
 
     work->area[i] = (float)(M_PI * far * far / count);
     if (work->attribute != NULL)

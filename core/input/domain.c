@@ -55,11 +55,6 @@ static void choose_frame(struct vor_domain *out, const struct vor_box *box)
     out->unit = largest > 0 ? ldexp(1, exponent) : 1;
 }
 
-static int same_place(const float *a, const float *b)
-{
-    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
-}
-
 /* Drops points that coincide with the one before, and the room of those. */
 static vor_status drop_coincident(struct vor_domain *out, struct vor_error *err)
 {
@@ -68,7 +63,9 @@ static vor_status drop_coincident(struct vor_domain *out, struct vor_error *err)
     uint32_t *source;
 
     for (size_t i = 1; i < n; i++) {
-        if (same_place(&out->xyz[3 * i], &out->xyz[3 * (kept - 1)]))
+        const float *a = &out->xyz[3 * i], *b = &out->xyz[3 * (kept - 1)];
+
+        if (a[0] == b[0] && a[1] == b[1] && a[2] == b[2])
             continue;
         if (kept < i)
             memcpy(&out->xyz[3 * kept], &out->xyz[3 * i], 3 * sizeof *out->xyz);

@@ -26,21 +26,14 @@ static void normal_of(double out[3], const struct groups *groups, size_t i)
         out[c] *= down;
 }
 
-static double apart2(const double a[3], const double b[3])
-{
-    double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-
-    return vor_dot(d, d);
-}
-
 /* The group whose mean is nearest to a normal, and how near. */
 static unsigned nearest(const struct groups *groups, const double normal[3], double *distance2)
 {
     unsigned best = 0;
 
-    *distance2 = apart2(normal, groups->mean[0]);
+    *distance2 = vor_distance2(normal, groups->mean[0]);
     for (unsigned g = 1; g < groups->count; g++) {
-        double other = apart2(normal, groups->mean[g]);
+        double other = vor_distance2(normal, groups->mean[g]);
 
         if (other < *distance2) {
             *distance2 = other;
@@ -92,12 +85,13 @@ static void make_means(struct groups *groups)
 static int jumps(const struct groups *groups, size_t i, unsigned from, unsigned to)
 {
     size_t rim = groups->band->rim;
-    double before[3] = {0}, after[3] = {0}, whole = apart2(groups->mean[from], groups->mean[to]);
+    double before[3] = {0}, after[3] = {0},
+           whole = vor_distance2(groups->mean[from], groups->mean[to]);
 
     normal_of(before, groups, (i + rim - 1) % rim);
     normal_of(after, groups, (i + 2) % rim);
     return whole >= VOR_LOOPS_CREASE * VOR_LOOPS_CREASE &&
-           apart2(before, after) >= JUMP * JUMP * whole;
+           vor_distance2(before, after) >= JUMP * JUMP * whole;
 }
 
 /* Whether each group has one piece of the loop, and creases part them. */

@@ -157,20 +157,11 @@ static void sum(struct sums *out, const double c[TERMS], const struct hood *hood
     }
 }
 
-/* Turns the normal to that of a surface that rises so much along the two axes. */
-static void tilt(struct hood *hood, double u, double v)
-{
-    double length = sqrt(1 + u * u + v * v);
-
-    for (int c = 0; c < 3; c++)
-        hood->axis[2][c] =
-            (hood->axis[2][c] - u * hood->axis[0][c] - v * hood->axis[1][c]) / length;
-}
-
-/* Moves x onto the quadric of the points within r along the plane and near the quadric itself. */
+/* Moves x onto the quadric of the points within r along the plane and near the quadric itself, and
+ * turns the normal to its own. */
 static void to_quadric(struct hood *hood, double r, double slab)
 {
-    double height[TERMS] = {0};
+    double height[TERMS] = {0}, u, v, length;
 
     for (int i = 0; i < STEPS; i++) {
         struct sums sums;
@@ -180,9 +171,14 @@ static void to_quadric(struct hood *hood, double r, double slab)
             break;
         memcpy(height, sums.c, sizeof height);
     }
-    for (int c = 0; c < 3; c++)
+    u = height[1] / r;
+    v = height[2] / r;
+    length = sqrt(1 + u * u + v * v);
+    for (int c = 0; c < 3; c++) {
         hood->x[c] += height[0] * hood->axis[2][c];
-    tilt(hood, height[1] / r, height[2] / r);
+        hood->axis[2][c] =
+            (hood->axis[2][c] - u * hood->axis[0][c] - v * hood->axis[1][c]) / length;
+    }
 }
 
 /* How many points within r along a plane lie near it, by weight. */

@@ -47,15 +47,6 @@ struct even {
     const struct vor_lop_even_how *how;
 };
 
-static void free_even(struct even *even)
-{
-    struct vor_memory *memory = even->samples->memory;
-
-    VOR_FREE_ALL(memory, even->nearest, even->step, even->next, even->spacing, even->list,
-                 even->listed, even->on, even->edge);
-    vor_lop_tree_free(&even->tree);
-}
-
 static vor_status alloc_even(struct even *even, struct vor_error *err)
 {
     struct vor_memory *memory = even->samples->memory;
@@ -394,6 +385,8 @@ vor_status vor_lop_even(struct vor_lop_samples *samples, const struct vor_lop_la
     even.stage.record.of = how->steps;
     status = alloc_even(&even, err);
     VOR_THEN(status, move_all(&even, err));
-    free_even(&even);
+    VOR_FREE_ALL(samples->memory, even.nearest, even.step, even.next, even.spacing, even.list,
+                 even.listed, even.on, even.edge);
+    vor_lop_tree_free(&even.tree);
     return status;
 }

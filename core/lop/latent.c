@@ -92,15 +92,6 @@ static double distance_of(const struct fit *fit, const float base[3],
     return d;
 }
 
-/* The mean normal of a fit; leaves n where there is none. */
-static void normal_of(const struct fit *fit, double n[3])
-{
-    double length = sqrt(vor_dot(fit->normal, fit->normal));
-
-    for (int c = 0; c < 3 && length > 0; c++)
-        n[c] = fit->normal[c] / length;
-}
-
 /* The place and the normal that a fit of the normal n gives, which the mean of the samples that
  * count first takes the place of. */
 static void put_onto(struct vor_lop_point *out, const struct vor_lop_latent *latent,
@@ -108,10 +99,11 @@ static void put_onto(struct vor_lop_point *out, const struct vor_lop_latent *lat
                      const struct vor_lop_point *end, const struct fit *first)
 {
     struct fit fit;
-    double n[3], d;
+    double n[3], d, length = sqrt(vor_dot(first->normal, first->normal));
 
     vor_to_doubles(n, end->normal);
-    normal_of(first, n);
+    for (int c = 0; c < 3 && length > 0; c++)
+        n[c] = first->normal[c] / length;
     fit_to(&fit, latent, near, base, n);
     d = distance_of(&fit, base, end, n);
     for (int c = 0; c < 3; c++) {

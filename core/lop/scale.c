@@ -43,12 +43,6 @@ vor_status vor_lop_has_edges(int *smooth, struct vor_edges *edges, const struct 
     return status;
 }
 
-/* Whether noise may hide edges from fits. */
-static int is_noisy(const struct vor_domain *domain)
-{
-    return !domain->known.sheets && domain->known.neighbors.usual > VOR_NEIGHBORS_FEWEST;
-}
-
 vor_status vor_lop_find_scale(struct vor_domain *out, const struct vor_domain *in, double area,
                               const struct vor_run *run, struct vor_error *err)
 {
@@ -58,7 +52,8 @@ vor_status vor_lop_find_scale(struct vor_domain *out, const struct vor_domain *i
     int smooth = 1;
     vor_status status = VOR_OK;
 
-    while (status == VOR_OK && smooth && is_noisy(from)) {
+    while (status == VOR_OK && smooth && !from->known.sheets && /* noise may hide edges from fits */
+           from->known.neighbors.usual > VOR_NEIGHBORS_FEWEST) {
         fewer = (struct vor_domain){.n = 0};
         status = vor_domain_halve(&fewer, from, run, err);
         if (status != VOR_OK || fewer.n == 0)

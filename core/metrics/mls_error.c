@@ -77,20 +77,13 @@ static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
     measure->sums[begin / BLOCK].max = far2;
 }
 
-static double distance2_of(const double a[3], const double b[3])
-{
-    double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-
-    return vor_dot(d, d);
-}
-
 /* One step of Eq. 1: moves x, and returns how far, squared. */
 static double step(double x[3], double near[NEAREST][3], double normal[NEAREST][3], double h2)
 {
     double d2[NEAREST], weight[NEAREST], least = INFINITY, total = 0, a[3] = {0}, n[3] = {0}, off;
 
     for (int j = 0; j < NEAREST; j++) {
-        d2[j] = distance2_of(x, near[j]);
+        d2[j] = vor_distance2(x, near[j]);
         least = fmin(least, d2[j]);
     }
     for (int j = 0; j < NEAREST; j++)
@@ -129,7 +122,7 @@ static double error_at(const struct measure *measure, const float p[3], const ui
     vor_to_doubles(from, p);
     for (int s = 0; s < STEPS && step(x, near, normal, measure->h2) > STILL * STILL * measure->h2;)
         s++;
-    return sqrt(distance2_of(x, from));
+    return sqrt(vor_distance2(x, from));
 }
 
 static void error_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)

@@ -274,21 +274,15 @@ static void trade_on_one(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t e
     remesh->status = trade(remesh, &remesh->seeds->scratch[worker]);
 }
 
-/* Leaves each point one fan, and finds which are surrounded. */
-static void look_around(struct remesh *remesh)
-{
-    vor_complex_prune(&remesh->complex);
-    for (size_t i = 0; i < remesh->complex.n; i++)
-        remesh->surrounded[i] = (unsigned char)vor_complex_surrounds(&remesh->complex, (uint32_t)i);
-}
-
 static void flip_on_one(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
                         VOR_UNUSED unsigned worker)
 {
     struct remesh *remesh = ctx;
 
-    if (remesh->opened)
-        look_around(remesh);
+    if (remesh->opened) /* leaves each point one fan */
+        vor_complex_prune(&remesh->complex);
+    for (size_t i = 0; remesh->opened && i < remesh->complex.n; i++)
+        remesh->surrounded[i] = (unsigned char)vor_complex_surrounds(&remesh->complex, (uint32_t)i);
     (void)vor_flip(&remesh->complex, &remesh->sheet, remesh->surrounded);
 }
 

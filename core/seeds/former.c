@@ -14,14 +14,6 @@ struct former {
     float *error2;       /* n: mean square of the fit's; 0: not known */
 };
 
-/* Mean square error of the surface fitted to k points at its middle. */
-static double error2_of(const struct vor_surface *surface, unsigned k)
-{
-    if (surface->kind != VOR_SURFACE_QUADRIC || k <= VOR_QUADRIC_TERMS)
-        return 0;
-    return 4 * surface->off2 / (k - VOR_QUADRIC_TERMS);
-}
-
 static void look_row(void *ctx, size_t i, unsigned worker)
 {
     const struct former *former = ctx;
@@ -42,7 +34,9 @@ static void look_row(void *ctx, size_t i, unsigned worker)
         way += ((double)former->xyz[3 * (size_t)nearest + c] - x[c]) * normal[c];
     vor_to_floats(&former->normal[3 * i], normal);
     former->way[i] = (float)way;
-    former->error2[i] = (float)error2_of(surface, scratch->here.k);
+    former->error2[i] = 0; /* mean square error of the fit at its middle */
+    if (surface->kind == VOR_SURFACE_QUADRIC && scratch->here.k > VOR_QUADRIC_TERMS)
+        former->error2[i] = (float)(4 * surface->off2 / (scratch->here.k - VOR_QUADRIC_TERMS));
 }
 
 static void weigh_row(void *ctx, size_t i, unsigned worker)

@@ -204,17 +204,6 @@ static vor_status move_out(struct line *line, const struct place_on *on, double 
     return status;
 }
 
-/* The line through the points of a loop, as they are. */
-static vor_status line_through(struct line *out, const struct vor_domain *domain,
-                               const uint32_t *point, size_t n, struct vor_error *err)
-{
-    vor_status status = line_init(out, n, 1, domain, err);
-
-    for (size_t i = 0; status == VOR_OK && i < 3 * n; i++)
-        out->at[i] = (double)domain->xyz[3 * (size_t)point[i / 3] + i % 3];
-    return status;
-}
-
 /* The line of a loop with even steps, smoothed and measured. */
 static vor_status line_of(struct line *out, const struct place_on *on,
                           const struct vor_loops *loops, size_t l, struct vor_error *err)
@@ -224,8 +213,10 @@ static vor_status line_of(struct line *out, const struct place_on *on,
     struct line raw = {0}, line = {0};
     size_t n = (size_t)fmax(0, loop->length / (VOR_RIDGES_STEP * loop->spacing)) + VOR_LOOPS_LEAST;
     double *along = vor_malloc(domain->memory, n, sizeof *along);
-    vor_status status = line_through(&raw, domain, &loops->point[loop->first], loop->count, err);
+    vor_status status = line_init(&raw, loop->count, 1, domain, err);
 
+    for (size_t i = 0; status == VOR_OK && i < 3 * loop->count; i++)
+        raw.at[i] = (double)domain->xyz[3 * (size_t)loops->point[loop->first + i / 3] + i % 3];
     VOR_THEN(status, line_init(&line, n, 1, domain, err));
     if (along == NULL) {
         (void)vor_fail(err, VOR_E_NOMEM, "%zu points", n);
