@@ -65,6 +65,25 @@ VOR_CLONES uint64_t vor_walk_near(const struct vor_walk *walk, unsigned of, doub
     return (near[0] | near[1] | near[2] | near[3]) & ~(UINT64_C(1) << of);
 }
 
+/* A bit for each point that a way over `from` may be shorter to, by their squared distances from
+ * there: without a root for each, and none less for rounding. */
+VOR_CLONES static uint64_t may_shorten(const struct vor_walk *walk, unsigned from,
+                                       const double d2[VOR_WALK_MOST])
+{
+    words may = {0}, bit = {1, 2, 4, 8};
+
+    for (unsigned j = 0; j < VOR_WALK_MOST; j += LANES) {
+        lanes way, some;
+
+        memcpy(&way, &walk->far[j], sizeof way);
+        memcpy(&some, &d2[j], sizeof some);
+        way -= walk->far[from];
+        may |= (words)((way > 0) & (some <= way * way * (1 + 1e-9))) & bit;
+        bit *= 1 << LANES;
+    }
+    return may[0] | may[1] | may[2] | may[3];
+}
+
 /* The nearest of the points met so far, by their ways; `most` if there is none. */
 static unsigned next_of(const struct vor_walk *walk, uint64_t met)
 {
@@ -87,13 +106,14 @@ void vor_walk_go(struct vor_walk *walk)
     double reach2 = REACH * REACH * M_PI * (double)walk->distance2[walk->most - 1] / walk->most;
     double l2[VOR_WALK_MOST] = {0};
     uint64_t met = 1, done = 0; /* points that a way leads to, and those whose way is settled */
+    uint64_t near;
     unsigned sure = 0, found = 0;
 
     memset(walk->reached, 0, sizeof walk->reached);
-    for (unsigned j = 0; j < walk->most; j++) {
+    for (unsigned j = 0; j < VOR_WALK_MOST; j++)
         walk->far[j] = j == 0 ? 0 : INFINITY;
+    for (unsigned j = 0; j < walk->most; j++)
         walk->limit[j] = STRETCH * sqrt((double)walk->distance2[j]) + 1e-12;
-    }
     for (unsigned from = 0; from < walk->most; from = next_of(walk, met & ~done)) {
         /* Ways only get longer: what is known of the first `sure` points stays. */
         while (sure < walk->most && (done >> sure & 1 || walk->far[from] > walk->limit[sure]))
@@ -102,8 +122,8 @@ void vor_walk_go(struct vor_walk *walk)
             return;
         done |= UINT64_C(1) << from;
         walk->reached[from] = walk->far[from] <= walk->limit[from];
-        for (uint64_t near = vor_walk_near(walk, from, reach2, l2) & ~done; near > 0;
-             near &= near - 1) {
+        near = vor_walk_near(walk, from, reach2, l2);
+        for (near &= may_shorten(walk, from, l2); near > 0; near &= near - 1) {
             unsigned j = vor_walk_first(near);
             double far = walk->far[from] + sqrt(l2[j]);
 
