@@ -41,10 +41,6 @@
 #define ANY_RUN (1 << 18)
 #define A_THREAD (200 << 10)
 
-/* Neighbours of a fit where the request leaves them to the input: 12 to 24 on clean ones, up to 150
- * where there is noise, as in many scans, which is seen only then. */
-#define NEIGHBORS 144.0
-
 /* An input of so many points for each of the result is thinned, and starts from no cells. */
 #define DENSE 10.0
 
@@ -66,13 +62,14 @@ static double starting(const struct vor_spec *spec, double in, double out)
 }
 
 /* Of all points of the result, beside the input's index and lists. */
-static double spreading(const struct vor_spec *spec, double in, double out)
+static double spreading(const struct vor_spec *spec, double in, double out,
+                        enum vor_fit_neighbors neighbors)
 {
     double given =
         spec->value[VOR_PARAM_NEIGHBORS]; /* then, of each point, besides its neighbours */
     double extra = (has_metric(spec) ? METRIC : 0) +
                    (spec->value[VOR_PARAM_DENSITY] != VOR_DENSITY_UNIFORM ? DENSITY : 0);
-    double lists = 6 * (given > 0 ? given : NEIGHBORS);
+    double lists = 6 * (given > 0 ? given : (double)neighbors);
     double first = starting(spec, in, out);
     double cells = in >= DENSE * first ? first : first + fmin(in, first);
     double start = (lists + START + extra) * cells;
@@ -94,7 +91,8 @@ static double spreading(const struct vor_spec *spec, double in, double out)
 }
 
 /* Of a process with a method. */
-static double of_spread(const struct vor_spec *spec, double points, double attributes)
+static double of_spread(const struct vor_spec *spec, double points, double attributes,
+                        enum vor_fit_neighbors neighbors)
 {
     double out = vor_spec_only_filters(spec) ? 0 : vor_spec_target(spec, (uint64_t)points);
     double in = points, index, tensors;
@@ -107,11 +105,12 @@ static double of_spread(const struct vor_spec *spec, double points, double attri
     if (spec->value[VOR_PARAM_INTRINSIC] != VOR_INTRINSIC_NONE)
         index += SHEETS * (out > 0 ? fmin(in, DENSE * out) : in);
     tensors = has_metric(spec) ? TENSORS * in : 0;
-    return index + attributes * out + fmax(tensors, spreading(spec, in, out));
+    return index + attributes * out + fmax(tensors, spreading(spec, in, out, neighbors));
 }
 
 uint64_t vor_memory_estimate(const struct vor_spec *spec, unsigned inputs,
-                             const struct vor_job_input input[VOR_INPUTS_MAX])
+                             const struct vor_job_input input[VOR_INPUTS_MAX],
+                             enum vor_fit_neighbors neighbors)
 {
     double bytes = ANY_RUN + (double)A_THREAD * vor_machine_cores();
 
@@ -129,7 +128,7 @@ uint64_t vor_memory_estimate(const struct vor_spec *spec, unsigned inputs,
         if (spec->process->methods != 0 && i > 0)
             bytes += (PREVIOUS + attributes) * points;
         else if (spec->process->methods != 0)
-            bytes += of_spread(spec, points, attributes);
+            bytes += of_spread(spec, points, attributes, neighbors);
         else if (vor_process_takes(spec->process, VOR_PARAM_OUTLIERS))
             bytes += (INDEX + INSPECT + attributes) * points;
         else if (vor_process_takes(spec->process, VOR_PARAM_FORMAT))

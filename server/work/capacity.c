@@ -216,14 +216,16 @@ void vor_capacity_leave(struct vor_job_service *service, const struct vor_job_vi
 
 /* --- new jobs --------------------------------------------------------------------------------- */
 
-/* Likewise what could never run: row has its inputs. A run never has more memory than its cap. */
+/* Likewise what could never run, not even if its input has no noise: row has its inputs. A run
+ * never has more memory than its cap. */
 static vor_status check_need(const struct vor_job_service *service, struct vor_job_view *row,
                              struct vor_error *err)
 {
-    uint64_t need = vor_memory_estimate(&row->spec, row->inputs, row->input),
+    uint64_t need = vor_memory_estimate(&row->spec, row->inputs, row->input, VOR_FIT_CLEAN),
+             most = vor_memory_estimate(&row->spec, row->inputs, row->input, VOR_FIT_NOISY),
              budget = service->config.budget;
 
-    row->memory = need < service->config.memory ? need : service->config.memory;
+    row->memory = most < service->config.memory ? most : service->config.memory;
     if (need <= budget)
         return VOR_OK;
     (void)vor_fail(err, VOR_E_NOMEM,

@@ -120,7 +120,7 @@ VT_TEST_LOOP(the_estimate_is_near_the_peak, sizeof cases / sizeof cases[0])
     engine.run.memory = &memory;
     vt_assert_ok(vor_engine_run(&out, &in, &row.spec, &engine.run, &vt_err));
     ratio =
-        (double)vor_memory_estimate(&row.spec, row.inputs, row.input) /
+        (double)vor_memory_estimate(&row.spec, row.inputs, row.input, VOR_FIT_NOISY) /
         ((double)atomic_load(&memory.peak) + (of->noise == DOUBLES ? 36 : 12) * (double)of->points);
     ck_assert_msg(ratio >= 1 && ratio <= of->most, "%s of %zu, %s: %.2f of the peak", of->process,
                   of->points, of->query, ratio);
@@ -129,21 +129,22 @@ VT_TEST_LOOP(the_estimate_is_near_the_peak, sizeof cases / sizeof cases[0])
     vt_engine_close(&engine);
 }
 
-/* What a job of that request is let in with. */
-static uint64_t need_of(const struct vor_spec *spec)
+/* What a job of that request is let in with, and what it needs to be let in. */
+static uint64_t need_of(const struct vor_spec *spec, enum vor_fit_neighbors neighbors)
 {
     struct vor_job_view row = vt_row(10);
 
     row.spec = *spec;
     row.input[0].points = 1500;
     row.input[0].bytes = 1500 * 12;
-    return vor_memory_estimate(&row.spec, row.inputs, row.input);
+    return vor_memory_estimate(&row.spec, row.inputs, row.input, neighbors);
 }
 
 VT_TEST(jobs_that_fit_alone_but_not_together_wait_for_each_other)
 {
     struct vor_spec endless = vt_request(1000, 10000), quick = vt_request(1000, 3);
-    struct vt_daemon_options options = {.jobs = 4, .budget = need_of(&endless) * 3 / 2};
+    struct vt_daemon_options options = {.jobs = 4,
+                                        .budget = need_of(&endless, VOR_FIT_NOISY) * 3 / 2};
     struct vt_daemon daemon;
     const char *dir = vt_dir_make();
     struct vor_job_service_load load;
@@ -158,10 +159,24 @@ VT_TEST(jobs_that_fit_alone_but_not_together_wait_for_each_other)
     vor_job_service_load(daemon.service, &load);
     ck_assert_uint_eq(load.running, 1);
     ck_assert_uint_eq(load.waiting, 1);
-    ck_assert_uint_ge(load.reserved, need_of(&endless));
+    ck_assert_uint_ge(load.reserved, need_of(&endless, VOR_FIT_NOISY));
     ck_assert_uint_le(load.reserved, load.budget);
     ck_assert_int_eq(vor_job_service_cancel(daemon.service, &runs, "enough", &vt_err), VOR_DONE);
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &waits).status, VOR_JOB_SUCCESSFUL);
+    vt_daemon_stop(&daemon);
+}
+
+VT_TEST(a_job_that_fits_unless_its_input_is_noisy_runs)
+{
+    struct vor_spec spec = vt_request(1000, 3);
+    struct vt_daemon_options options = {.budget = need_of(&spec, VOR_FIT_CLEAN) * 11 / 10};
+    struct vt_daemon daemon;
+    struct vor_uuid id;
+
+    ck_assert_uint_lt(options.budget, need_of(&spec, VOR_FIT_NOISY));
+    vt_daemon_start(&daemon, vt_dir_make(), &options);
+    ck_assert_int_eq(vt_daemon_try_sphere(&daemon, 1500, &spec, &id), VOR_DONE);
+    ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
     vt_daemon_stop(&daemon);
 }
 
@@ -177,7 +192,7 @@ VT_TEST(a_job_larger_than_all_memory_is_refused_with_the_numbers)
     ck_assert_int_eq(vt_daemon_try_sphere(&daemon, 1500, &spec, &id), VOR_FAILED);
     ck_assert_int_eq(vt_err.status, VOR_E_NOMEM);
     ck_assert_uint_eq(vt_err.limit, 1 << 20);
-    ck_assert_uint_ge(vt_err.got, need_of(&spec));
+    ck_assert_uint_ge(vt_err.got, need_of(&spec, VOR_FIT_CLEAN));
     ck_assert_ptr_nonnull(strstr(vt_err.message, "1048576"));
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
