@@ -17,8 +17,8 @@ enum {
 /* Cosine of 37 degrees: between an edge and the way of a line that follows it. */
 #define ALONG 0.8
 
-/* Spacings: a shorter line is none. */
-#define LEAST 3.0
+/* Spacings: a line that is no longer than one foot counts for, either way, is none. */
+#define LEAST (2 * REACH)
 
 /* Where a line passed a foot: how many places from where it began, below 0 the other way. */
 struct pass {
@@ -71,7 +71,7 @@ static int pass(struct pass *foot, const struct head *head)
 {
     if (foot->line != head->pass.line)
         *foot = head->pass;
-    return abs(foot->at - head->pass.at) > 2 * REACH / VOR_RIDGES_STEP;
+    return abs(foot->at - head->pass.at) > LEAST / VOR_RIDGES_STEP;
 }
 
 /* Asks the feet around `at` whose edges run about the way of the head. */

@@ -15,7 +15,8 @@ enum { BLOCK = 128 };
 
 /* Most neighbours that count for a point. */
 enum { MOST = 160 };
-/* Fewest neighbours; planes have as many as a fit takes. With half as many, fandisk30k_noisy to
+/* Fewest neighbours, and those whose normals a point chooses among when it starts anew; planes have
+ * as many as a fit takes. With half as many, fandisk30k_noisy to
  * 10,000: rms over the input's 0.38 for 0.29, median of normals near edges 8.7 degrees for 4.7;
  * wedges of 90 degrees, noise 1 %, 2.5 for 1.3. */
 enum { LEAST = VOR_LOP_AREA_OF };
@@ -25,9 +26,6 @@ enum { LEAST = VOR_LOP_AREA_OF };
  * fandisk30k_noise2 to 120,000 at rho 0 1.98e-3 / 1.94e-3 / 2.15e-3, of fandisk30k_noisy to 40,000
  * rms near edges over the input's .409 / .383 / .365. */
 #define PLANES_SHARE 0.85
-
-/* Neighbours whose normals a point chooses among when it starts anew. */
-enum { CHOICES = 12 };
 
 /* Distances of a neighbour's plane at which it no longer counts, in rms of the heights over a
  * plane. At 3 / 6 / 10: rms of fandisk30k_noisy 0.52 / 0.43 / 0.38 (planes of half as many points),
@@ -252,7 +250,7 @@ static const float *most_agreed(const struct normals *normals, const struct seen
     double weight[MOST], best = -1;
 
     memset(weight, 0, seen->k * sizeof *weight); /* gcc's analyzer cannot see what fills it */
-    for (unsigned c = 0; c < seen->k && c < CHOICES; c++) {
+    for (unsigned c = 0; c < seen->k && c < LEAST; c++) {
         const float *n = normal_now(normals, seen->index[c]);
         double sum = 0;
 

@@ -16,11 +16,11 @@
 /* Points of a task. */
 enum { BLOCK = 128 };
 
-/* Data that count for a point: fewest, and most, which then are the nearest. The fewest say the
- * height, as they are smoothed already: igea of 30,000 points to 10,000, rms 3.8e-4 by all within
- * the reach, 3.3e-4 by these. At 48 / 96 most, igea of 134,000 points to 20,000: delta alike, a
- * third more time. */
-enum { DATA_LEAST = 12, DATA_MOST = VOR_LOP_DATA_MOST };
+/* Data that count for a point: fewest, and most, which then are the nearest. The fewest are those
+ * that tell how dense they are, and say the height, as they are smoothed already: igea of 30,000
+ * points to 10,000, rms 3.8e-4 by all within the reach, 3.3e-4 by these. At 48 / 96 most, igea of
+ * 134,000 points to 20,000: delta alike, a third more time. */
+enum { DATA_LEAST = VOR_LOP_AREA_OF, DATA_MOST = VOR_LOP_DATA_MOST };
 
 /* Other points in a list: those within twice the spacing, and as many again. */
 enum { LISTED = 32 };
@@ -41,9 +41,6 @@ enum { LISTED = 32 };
  * distance, so that two points which the same data draw come nearer with each step until they are
  * one: 522 of 20,000 of autzen by ear, 3,061 nearer than 0.1 spacings; with this 0 and 316. */
 #define APART 0.3
-
-/* Nearest data whose distance tells their density. */
-enum { DENSITY_K = VOR_LOP_AREA_OF };
 
 struct project {
     struct vor_lop_samples *samples;
@@ -66,9 +63,9 @@ struct project {
 static void density_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct project *project = ctx;
-    unsigned k = project->domain->n < DENSITY_K ? (unsigned)project->domain->n : DENSITY_K;
-    uint32_t index[DENSITY_K];
-    float distance2[DENSITY_K];
+    unsigned k = project->domain->n < DATA_LEAST ? (unsigned)project->domain->n : DATA_LEAST;
+    uint32_t index[DATA_LEAST];
+    float distance2[DATA_LEAST];
     struct vor_knn_last last = {.k = 0};
 
     for (size_t i = begin; i < end; i++) {
