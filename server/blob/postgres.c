@@ -155,23 +155,6 @@ static void give_connection(struct database *db, PGconn *connection, vor_status 
         db->pg->finish(connection);
 }
 
-static vor_status try_once(struct call *call,
-                           vor_status (*once)(struct call *call, struct vor_error *err),
-                           struct vor_error *err)
-{
-    double began = vor_clock_seconds();
-    vor_status status;
-
-    call->connection = take_connection(call->db, err);
-    if (call->connection == NULL)
-        return err->status;
-    status = once(call, err);
-    give_connection(call->db, call->connection, status);
-    vor_metric_observe(VOR_METRIC_BLOB_SECONDS, vor_clock_seconds() - began,
-                       VOR_LABELS("postgres", call->verb));
-    return status;
-}
-
 /* Does it as often as it may succeed. The result stays, for the caller to clear. */
 static vor_status perform(struct call *call,
                           vor_status (*once)(struct call *call, struct vor_error *err),
@@ -182,8 +165,16 @@ static vor_status perform(struct call *call,
     vor_status status;
 
     for (int i = 0;; i++) {
+        double sent = vor_clock_seconds();
+
         failure = (struct vor_error){.status = VOR_OK};
-        status = try_once(call, once, &failure);
+        call->connection = take_connection(call->db, &failure);
+        status = call->connection != NULL ? once(call, &failure) : failure.status;
+        if (call->connection != NULL) {
+            give_connection(call->db, call->connection, status);
+            vor_metric_observe(VOR_METRIC_BLOB_SECONDS, vor_clock_seconds() - sent,
+                               VOR_LABELS("postgres", call->verb));
+        }
         if (status == VOR_OK || !vor_error_storage_away(&failure) || call->is_probe ||
             call->is_unwanted || !vor_objects_again(&call->db->base, i, began))
             break;
@@ -218,28 +209,12 @@ static int64_t number_at(const struct call *call, int column)
     return strtoll(call->db->pg->getvalue(call->result, 0, column), NULL, 10);
 }
 
-/* Sends the pieces of a file; buffer has room for one. */
-static vor_status put_pieces(struct call *call, uint8_t *buffer, struct vor_error *err)
-{
-    vor_status status = VOR_OK;
-    size_t have = 0;
-
-    for (uint64_t at = 0; status == VOR_OK && at < call->size; at += have) {
-        have = call->size - at < VOR_BLOB_PIECE ? (size_t)(call->size - at) : VOR_BLOB_PIECE;
-        status = vor_piece_read(call->fd, at, buffer, have, err);
-        VOR_THEN(status, ask(call, buffer, have, err,
-                             "INSERT INTO voronoid_piece VALUES (%" PRId64 ", %" PRIu64
-                             ", encode(sha256($1), 'hex'), $1)",
-                             call->object, at / VOR_BLOB_PIECE));
-    }
-    return status;
-}
-
 /* The server ends the transaction of a daemon that has hung for 10 s: others would wait for it. */
 static vor_status put_once(struct call *call, struct vor_error *err)
 {
     uint8_t *buffer = malloc(VOR_BLOB_PIECE);
     vor_status status = VOR_OK;
+    size_t have = 0;
 
     if (buffer == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "a part of a file");
@@ -250,9 +225,15 @@ static vor_status put_once(struct call *call, struct vor_error *err)
              ask(call, NULL, 0, err,
                  "INSERT INTO voronoid_file (size) VALUES (%" PRIu64 ") RETURNING object::text",
                  call->size));
-    if (status == VOR_OK) {
+    if (status == VOR_OK)
         call->object = number_at(call, 0);
-        status = put_pieces(call, buffer, err);
+    for (uint64_t at = 0; status == VOR_OK && at < call->size; at += have) {
+        have = call->size - at < VOR_BLOB_PIECE ? (size_t)(call->size - at) : VOR_BLOB_PIECE;
+        status = vor_piece_read(call->fd, at, buffer, have, err);
+        VOR_THEN(status, ask(call, buffer, have, err,
+                             "INSERT INTO voronoid_piece VALUES (%" PRId64 ", %" PRIu64
+                             ", encode(sha256($1), 'hex'), $1)",
+                             call->object, at / VOR_BLOB_PIECE));
     }
     VOR_THEN(status,
              ask(call, NULL, 0, err, "DELETE FROM voronoid_file WHERE key = '%s'", call->key));

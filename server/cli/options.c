@@ -276,34 +276,23 @@ vor_status vor_cli_check_suffix(const struct vor_cli *cli, const char *path, str
     return status;
 }
 
-/* An output that is a folder gets a slash at its end. */
-static void mark_folder(struct vor_cli *cli, const char **output)
+/* Where results go, in these forms: a folder gets a slash at its end, and several results, of what
+ * the operands are, need one. */
+static vor_status check_output(struct vor_cli *cli, const char **output, const char *forms,
+                               const char *operands, struct vor_error *err)
 {
     struct stat info;
 
-    if (*output == NULL || vor_cli_into_folder(cli) || stat(*output, &info) != 0 ||
-        !S_ISDIR(info.st_mode))
-        return;
-    if (snprintf(cli->folder, sizeof cli->folder, "%s/", *output) < (int)sizeof cli->folder)
-        *output = cli->folder;
-}
-
-/* A cloud needs a place to go to; a document is printed when it has none. Several results need a
- * folder. */
-static vor_status resolve_output(struct vor_cli *cli, struct vor_error *err)
-{
-    const struct vor_artefact_info *main_output = &cli->command->process->outputs[0];
-    const char **output = &cli->option[VOR_OPTION_OUTPUT];
-
-    if (*output == NULL && main_output->kind == VOR_ARTEFACT_DOCUMENT)
-        *output = "-";
     if (*output == NULL || (*output)[0] == '\0')
-        return vor_fail(err, VOR_E_PARAM, "no output: give -o FILE, or -o - for stdout");
-    mark_folder(cli, output);
+        return vor_fail(err, VOR_E_PARAM, "no output: give %s or -o - for stdout", forms);
+    if (!vor_cli_into_folder(cli) && stat(*output, &info) == 0 && S_ISDIR(info.st_mode) &&
+        snprintf(cli->folder, sizeof cli->folder, "%s/", *output) < (int)sizeof cli->folder)
+        *output = cli->folder;
     if (cli->operand_count > 1 && !vor_cli_into_folder(cli))
-        return vor_fail(err, VOR_E_PARAM, "%d inputs need a folder for their results: give -o DIR/",
-                        cli->operand_count);
-    return vor_cli_check_suffix(cli, *output, err);
+        return vor_fail(err, VOR_E_PARAM, "%d %s need a folder for their results: give -o DIR/",
+                        cli->operand_count, operands);
+    return (cli->command->does & VOR_COMMAND_RUNS) != 0 ? vor_cli_check_suffix(cli, *output, err)
+                                                        : VOR_OK;
 }
 
 /* A parameter or the process itself may need an input that is an option. */
@@ -397,22 +386,6 @@ static vor_status take_preset(struct vor_cli *cli, struct vor_error *err)
     return status;
 }
 
-/* Where fetched results go: several jobs need a folder. */
-static vor_status check_into(struct vor_cli *cli, struct vor_error *err)
-{
-    const char **into = &cli->option[VOR_OPTION_INTO];
-
-    if (*into == NULL)
-        *into = "./";
-    if ((*into)[0] == '\0')
-        return vor_fail(err, VOR_E_PARAM, "no output: give -o FILE, -o DIR/, or -o - for stdout");
-    mark_folder(cli, into);
-    if (cli->operand_count > 1 && !vor_cli_into_folder(cli))
-        return vor_fail(err, VOR_E_PARAM, "%d jobs need a folder for their results: give -o DIR/",
-                        cli->operand_count);
-    return VOR_OK;
-}
-
 /* IDs become part of URLs and of file names. */
 static vor_status check_jobs(const struct vor_cli *cli, struct vor_error *err)
 {
@@ -453,8 +426,14 @@ vor_status vor_cli_read(struct vor_cli *out, const struct vor_command *command, 
     VOR_THEN(status, take_values(out, err));
     if (status == VOR_OK && command->process != NULL) {
         status = check_files(out, err);
-        if (status == VOR_OK && (command->does & VOR_COMMAND_RUNS) != 0)
-            status = resolve_output(out, err);
+        if (status == VOR_OK && (command->does & VOR_COMMAND_RUNS) != 0) {
+            const char **output = &out->option[VOR_OPTION_OUTPUT];
+
+            /* A cloud needs a place to go to; a document is printed when it has none. */
+            if (*output == NULL && command->process->outputs[0].kind == VOR_ARTEFACT_DOCUMENT)
+                *output = "-";
+            status = check_output(out, output, "-o FILE,", "inputs", err);
+        }
         VOR_THEN(status, take_preset(out, err));
         if (status == VOR_OK && (command->does & VOR_COMMAND_FRAMES) != 0) {
             /* What the process asks for, or takes for a cloud that is alone. */
@@ -472,7 +451,10 @@ vor_status vor_cli_read(struct vor_cli *out, const struct vor_command *command, 
     }
     if (status == VOR_OK && (command->does & VOR_COMMAND_JOBS) != 0)
         status = check_jobs(out, err);
-    if (status == VOR_OK && (command->does & VOR_COMMAND_FETCHES) != 0)
-        status = check_into(out, err);
+    if (status == VOR_OK && (command->does & VOR_COMMAND_FETCHES) != 0) {
+        if (out->option[VOR_OPTION_INTO] == NULL)
+            out->option[VOR_OPTION_INTO] = "./";
+        status = check_output(out, &out->option[VOR_OPTION_INTO], "-o FILE, -o DIR/,", "jobs", err);
+    }
     return status;
 }
