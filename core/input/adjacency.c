@@ -177,6 +177,16 @@ static unsigned shorten(struct vor_surface *own, const struct vor_domain *domain
     return SHORT;
 }
 
+/* Whether layers are looked for around point i. */
+static int may_have_layers(const struct vor_domain *domain, size_t i)
+{
+    const float *p = vor_domain_point(domain, i);
+
+    return domain->known.sheets ||
+           vor_sheets_at(&domain->known.sheeted,
+                         (double[3]){(double)p[0], (double)p[1], (double)p[2]});
+}
+
 /* Finds the sheet of point i: among layers, or by walks. */
 static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *recent,
                        struct vor_knn_last *last)
@@ -188,7 +198,8 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
     uint32_t index[VOR_NEIGHBORS_MAX];
     unsigned n;
 
-    if (known->layer || known->single || (!make->layers && make->noisy[i]))
+    if (known->layer || known->single || (!make->layers && make->noisy[i]) ||
+        (make->layers && !may_have_layers(domain, i)))
         return;
     known->single = !vor_sheet_walk_begin(&plain, domain, (uint32_t)i, last);
     if (known->single)
@@ -310,7 +321,8 @@ static vor_status make_lists(struct make *make, const struct vor_run *run, struc
     /* Where two layers are known, their nearest points are those of one: they are no noise. */
     for (int round = 0; status == VOR_OK && round < ROUNDS; round++) {
         status = vor_run_rows(run, n, BLOCK, plane_row, make, err);
-        make->layers = round == 0 && make->domain->known.sheets;
+        make->layers =
+            round == 0 && (make->domain->known.sheets || make->domain->known.sheeted.count > 0);
         if (status == VOR_OK && make->layers)
             status = vor_run_for(run, n, BLOCK, sheet_block, make, err);
         make->layers = 0;

@@ -75,6 +75,7 @@ static vor_status take(struct vor_domain *out, const struct vor_domain *in,
         domain.source[i] = in->source[2 * i];
     }
     domain.known.sheets = domain.known.seek_sheets = domain.known.parted = 0;
+    domain.known.sheeted.count = 0;
     domain.known.lists = VOR_LISTS_NONE;
     status = vor_domain_index(&domain, run, err);
     if (status == VOR_OK)

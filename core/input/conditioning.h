@@ -39,6 +39,16 @@ static inline void vor_neighbors_fix(struct vor_neighbors *out, unsigned k)
     out->usual = out->most = k;
 }
 
+/** Places of the input that are searched for layers (input/sheets.h). */
+enum { VOR_SHEETS_PLACES = 128 };
+
+/** Where one sheet of an input lies over another (input/sheets.h). */
+struct vor_sheeted {
+    unsigned count;                       /**< places where most of those around have layers */
+    unsigned char has[VOR_SHEETS_PLACES]; /**< whether a place is one of them */
+    float xyz[3 * VOR_SHEETS_PLACES];     /**< normalised */
+};
+
 /** Which lists of neighbours on one sheet the domains of an input have (input/lists.h). */
 enum vor_lists {
     VOR_LISTS_NONE,
@@ -70,7 +80,8 @@ struct vor_conditioning {
     size_t off_lattice;             /**< points that were moved within their cells; if any were,
                                          positions are not exact */
     int seek_sheets;                /**< sheets are looked for, on thinned domains too */
-    int sheets;                     /**< the domain has sheets: fits look for layers */
+    int sheets;                     /**< the domain has sheets on much of it */
+    struct vor_sheeted sheeted;     /**< where fits look for layers */
     enum vor_lists lists;           /**< of neighbours, that every domain of the input has */
     int parted;                     /**< where it has, lists keep to regions (input/regions.h) */
     unsigned hidden;                /**< of VOR_NEIGHBORS_PLACES, those where noise hides the

@@ -121,7 +121,7 @@ static vor_status find_sheets(struct vor_domain *domain, const struct vor_spec *
     if (intrinsic != VOR_INTRINSIC_LOCAL)
         return VOR_OK;
     domain->known.seek_sheets = 1;
-    return vor_sheets_find(&domain->known.sheets, domain, run, err);
+    return vor_sheets_find(&domain->known, domain, run, err);
 }
 
 /* Where noise is so wide that few points show no surface, moves them onto it, and looks again for
@@ -138,7 +138,7 @@ static vor_status leave_noise(struct vor_domain *domain, struct vor_outliers *ou
     int moved = 0;
 
     if (!(filtered || spread) || spec->value[VOR_PARAM_NEIGHBORS] != VOR_UNSET ||
-        domain->known.sheets)
+        domain->known.sheets || domain->known.sheeted.count > 0)
         return VOR_OK;
     status = vor_settle(domain, &moved, run, err);
     if (status == VOR_OK && moved)

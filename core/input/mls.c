@@ -58,13 +58,11 @@ struct hood {
 static void gather_nearest(struct hood *out, const struct vor_domain *domain, const float *x,
                            const uint32_t *index)
 {
+    double at[3] = {(double)x[0], (double)x[1], (double)x[2]};
+
     vor_gather(out->near, domain->xyz, index, out->k);
-    if (!domain->known.sheets)
-        return;
-    vor_surface_fit(&out->surface, out->near, out->k);
-    if (vor_layers_possible(&out->surface))
-        (void)vor_sheets_gather(
-            out->near, domain, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, out->k, NULL);
+    if (domain->known.sheets || domain->known.sheeted.count > 0)
+        (void)vor_sheets_fit(&out->surface, out->near, domain, at, out->k, NULL);
 }
 
 /* How many neighbours of a point are asked for. */

@@ -162,7 +162,7 @@ static vor_status know(struct vor_domain *domain, const struct vor_run *run, str
     vor_status status = vor_domain_index(domain, run, err);
 
     if (status == VOR_OK && known->seek_sheets && !known->sheets && known->lists == VOR_LISTS_NONE)
-        status = vor_sheets_find(&known->sheets, domain, run, err);
+        status = vor_sheets_find(known, domain, run, err);
     return status == VOR_OK ? vor_lists_make(domain, run, err) : status;
 }
 
@@ -223,7 +223,8 @@ vor_status vor_domain_means_for(struct vor_domain *out, const struct vor_domain 
 
     memset(out, 0, sizeof *out);
     if ((double)in->n < WORTHWHILE * wanted || !(area > 0) || known->sheets ||
-        known->lists != VOR_LISTS_NONE || known->neighbors.usual <= VOR_NEIGHBORS_FEWEST)
+        known->sheeted.count > 0 || known->lists != VOR_LISTS_NONE ||
+        known->neighbors.usual <= VOR_NEIGHBORS_FEWEST)
         return VOR_OK;
     return thin(out, in, (struct how){sqrt(area / wanted), in->n / WORTHWHILE, 1}, run, err);
 }

@@ -56,6 +56,7 @@ vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain
     assert(n >= 1 && most >= 1 && most <= VOR_NEIGHBORS_MAX);
     seeds.run = vor_run_unstoppable(run);
     seeds.sheets = domain->known.sheets;
+    seeds.sheeted = domain->known.sheeted;
     vor_disc_init(&seeds.flat, sides, 0);
     vor_disc_init(&seeds.disc, sides, RINGS);
     vor_disc_init(&seeds.fine, sides, RINGS_FINE);
@@ -113,6 +114,8 @@ vor_status vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *doma
     }
     seeds->domain = domain;
     seeds->sheets |= domain->known.sheets;
+    if (domain->known.sheeted.count > seeds->sheeted.count)
+        seeds->sheeted = domain->known.sheeted;
     vor_seeds_forget_input(seeds);
     return VOR_OK;
 }
@@ -158,8 +161,8 @@ static void gather(const struct vor_seeds *seeds, struct vor_place *place, const
         memcpy(&place->near[3 * j], &place->near[3 * (j - count)], 3 * sizeof *place->near);
 }
 
-/* Fits to a list or, where the domain has sheets, to a layer. Where only a thinned one has them,
- * this looks on the whole too: its neighbours reach over to another sheet at the border.
+/* Fits to a list or, where a domain has sheets around x, to a layer. Where only a thinned one has
+ * them, this looks on the whole too: its neighbours reach over to another sheet at the border.
  *
  * layer  count is above 0 where the points are of one; else set where there is one */
 static struct vor_lists_fitted fit_quadric(const struct vor_seeds *seeds, struct vor_place *place,
@@ -168,17 +171,22 @@ static struct vor_lists_fitted fit_quadric(const struct vor_seeds *seeds, struct
 {
     const struct vor_domain *domain = seeds->domain;
     struct vor_lists_fitted fitted = {1, VOR_LISTS_NO_ROOT};
+    int listed;
 
     /* cppcheck-suppress ctuuninitvar; count is set */
     if (layer->count > 0) {
         vor_surface_fit(out, place->near, place->k);
         return fitted;
     }
-    if (vor_lists_are(domain, place->k))
+    listed = vor_lists_are(domain, place->k);
+    if (listed) {
         fitted = vor_lists_fit(out, place->near, domain, x, place->k, index);
-    else
-        fitted.sheet = vor_sheets_fit(out, place->near, domain, x, place->k, layer);
-    if (!fitted.sheet && seeds->sheets && !domain->known.sheets && vor_layers_possible(out) &&
+    } else {
+        vor_surface_fit(out, place->near, place->k);
+        fitted.sheet = 0;
+    }
+    if (!fitted.sheet && !(listed && domain->known.sheets) && vor_layers_possible(out) &&
+        vor_sheets_at(&seeds->sheeted, x) &&
         vor_sheets_gather(place->near, domain, x, place->k, layer)) {
         vor_surface_fit(out, place->near, place->k);
         fitted.sheet = 1;
@@ -198,7 +206,7 @@ static struct vor_lists_fitted fit(const struct vor_seeds *seeds, struct vor_pla
 
     if (!seeds->policy.planes)
         return fit_quadric(seeds, place, out, x, index, layer);
-    if (seeds->sheets || vor_graph_is(&seeds->domain->graph)) {
+    if (seeds->sheeted.count > 0 || vor_graph_is(&seeds->domain->graph)) {
         fitted = fit_quadric(seeds, place, out, x, index, layer);
         spacing = out->spacing;
     }

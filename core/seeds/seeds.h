@@ -94,8 +94,9 @@ struct vor_seeds {
     size_t fixed; /**< the last ones of these, which do not move (seeds/fixed.h) */
     size_t half;  /**< of those, on borders: they have half a cell */
     struct vor_seeds_policy policy;
-    int sheets;      /**< fits look for layers: a domain that they are or were made on has sheets */
-    float *xyz;      /**< n x 3 */
+    int sheets;                 /**< a domain that they are or were made on has sheets */
+    struct vor_sheeted sheeted; /**< where fits look for layers: that of the domain with most */
+    float *xyz;                 /**< n x 3 */
     float *normal;   /**< n x 3: unit vectors outward, or 0 where there is none, if the method finds
                           normals; else NULL */
     uint32_t *track; /**< n: which points of a sequence they are, if there is an earlier result;

@@ -108,6 +108,17 @@ static void nearest_of_plate(struct place *at, const double x[3], double gap)
     set(at, hypot(out, x[2]) - gap / 2, x[2] > 0, out * x[0] / r, out * x[1] / r, x[2]);
 }
 
+/* Four fifths lie side by side on a plane, with as many on their area. */
+static void make_few_sheets(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap)
+{
+    vt_cloud_sheets(cloud, seed, n, gap);
+    for (size_t i = 0; i < n; i++)
+        if (i % 10 > 1) {
+            cloud->xyz[3 * i] = 8 * cloud->xyz[3 * i] + 2;
+            cloud->xyz[3 * i + 2] = 0;
+        }
+}
+
 /* Its sheets are its two squares; the bend belongs to the nearer one. */
 static void nearest_of_fold(struct place *at, const double x[3], double gap)
 {
@@ -207,7 +218,20 @@ static int inside_wedge(const double x[3])
     return x[1] > 0.1 && x[1] < 0.9 && x[0] + x[2] > -0.9;
 }
 
-enum shape { SPHERE, FAR, TORUS, PLATE, NESTED, SPHERES, SHEETS, FOLD, CROSSING, WAVES, WEDGE };
+enum shape {
+    SPHERE,
+    FAR,
+    TORUS,
+    PLATE,
+    NESTED,
+    SPHERES,
+    SHEETS,
+    FEW,
+    FOLD,
+    CROSSING,
+    WAVES,
+    WEDGE
+};
 
 static const struct {
     const char *name;
@@ -224,6 +248,7 @@ static const struct {
     [NESTED] = {"nested spheres", make_nested, nearest_of_nested, NULL, 1, 5 * M_PI},
     [SPHERES] = {"two spheres", NULL, nearest_of_spheres, NULL, 1, 8 * M_PI},
     [SHEETS] = {"two sheets", NULL, nearest_of_sheets, inside, 0, 2},
+    [FEW] = {"sheets on a fifth", make_few_sheets, nearest_of_sheets, inside, 0, 10},
     [FOLD] = {"fold", NULL, nearest_of_fold, inside, 0, 2},
     [CROSSING] = {"crossing squares", make_crossing, nearest_of_crossing, inside_crossing, 0, 2},
     [WAVES] = {"wavy sheets", make_waves, nearest_of_waves, inside, 0, 2},
@@ -317,6 +342,7 @@ static const struct {
     {SHEETS, 4000, 1, 0, "points=800 polish=20 patch=plane", 0.0016, 0, 0},
     {SHEETS, 60000, 4.2, 0, "points=1000 polish=20", 1e-4, 0, 0},
     {SHEETS, 3000, 1, 0.05, "points=1500 iterations=3 polish=4", 0.0082, 0, 0},
+    {FEW, 16000, 1, 0, "points=2000 polish=20", 0.002, 0, 0},
     {FOLD, 8000, 3, 0, "points=1500 iterations=6 polish=8", 1e-4, 0, 0},
     {CROSSING, 6000, 0, 0, "points=6000 iterations=2 polish=8", 0.06, 0, 7},
     {WAVES, 8000, 0.4, 0, "points=1500 iterations=6 polish=8", 0.0054, 0, 0},
