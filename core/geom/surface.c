@@ -14,11 +14,6 @@
  * / 5.7e-4 / 5.8e-4, igea 5.2e-4 / 5.0e-4 / 5.0e-4. */
 #define THICK 0.2
 
-/* Gauss-Newton steps of a projection. Each multiplies the error by the distance from the surface
- * over the radius of curvature: from a tenth of the radius off, three leave 2e-5 of it, from a
- * thirtieth 2e-7. */
-enum { PROJECTIONS = 3 };
-
 /* Four numbers of one neighbour at once. Each sum is of the same terms in the same order as one by
  * one. */
 enum { LANES = 4 };
@@ -255,7 +250,7 @@ static double quadric(const double c[6], double u, double v, double gradient[2])
     return c[0] + u * (c[1] + c[3] * u + c[4] * v) + v * (c[2] + c[5] * v);
 }
 
-/* As vor_surface_height. Inlined: steps of seeds are made of it. */
+/* As vor_surface_height. */
 VOR_INLINE double height_at(const struct vor_surface *surface, double u, double v,
                             double gradient[2])
 {
@@ -297,7 +292,7 @@ void vor_surface_project(const struct vor_surface *surface, double local[3])
     double u = local[0], v = local[1], gradient[2], height;
 
     height = height_at(surface, u, v, gradient);
-    for (int i = 0; i < PROJECTIONS; i++) {
+    for (int i = 0; i < VOR_SURFACE_PROJECTIONS; i++) {
         /* At the foot, local - foot is parallel to the normal (-gu, -gv, 1). */
         double residual =
             local[2] - height + gradient[0] * (u - local[0]) + gradient[1] * (v - local[1]);
@@ -319,26 +314,6 @@ void vor_surface_put(const struct vor_surface *surface, double x[3])
     double local[3];
 
     vor_surface_to_local(surface, x, local);
-    vor_surface_project(surface, local);
-    vor_surface_to_world(surface, local, x);
-}
-
-void vor_surface_glide(const struct vor_surface *surface, const double v[3], double most,
-                       double x[3])
-{
-    double local[3], way[3], g[2], off, length2;
-
-    vor_surface_to_local(surface, x, local);
-    (void)height_at(surface, local[0], local[1], g);
-    for (int i = 0; i < 3; i++)
-        way[i] = vor_dot(surface->axis[i], v);
-    off = (way[2] - g[0] * way[0] - g[1] * way[1]) / (1 + g[0] * g[0] + g[1] * g[1]);
-    way[0] += off * g[0];
-    way[1] += off * g[1];
-    way[2] -= off;
-    length2 = vor_dot(way, way);
-    for (int i = 0; i < 3; i++)
-        local[i] += length2 > most * most ? way[i] * (most / sqrt(length2)) : way[i];
     vor_surface_project(surface, local);
     vor_surface_to_world(surface, local, x);
 }

@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/geom/boundary.h"
+#include "core/geom/glide.h"
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/checkpoint.h"
@@ -295,11 +296,11 @@ static int leaves_input(const struct vor_seeds *seeds, const struct vor_scratch 
            vor_boundary_leaves(&border, VOR_OUTSIDE_EVENING, x, y);
 }
 
-static void step_to(struct polish *polish, size_t i, const double x[3], const double y[3])
+static void step_to(struct polish *polish, size_t i, const double y[3])
 {
     for (size_t c = 0; c < 3; c++) {
         polish->next[3 * i + c] = (float)y[c];
-        polish->step[3 * i + c] = (float)(y[c] - x[c]);
+        polish->step[3 * i + c] = (float)(y[c] - (double)polish->seeds->xyz[3 * i + c]);
     }
 }
 
@@ -339,19 +340,16 @@ static void move(struct polish *polish, struct vor_scratch *scratch, size_t i, d
         vor_surface_put(&scratch->onto, y);
     if (!scratch->interior && seeds->policy.keep_border)
         (void)vor_attach_near(seeds, scratch, y);
-    step_to(polish, i, x, y);
+    step_to(polish, i, y);
 }
 
-/* Moves seed i as move() does one that is far from where the input ends. */
-static void glide(struct polish *polish, const struct vor_surface *surface, size_t i, double v[3])
+/* Moves seeds as move() does ones that are far from where the input ends. */
+static void glide(struct polish *polish, struct vor_glide *far)
 {
-    double x[3], y[3];
-
-    vor_seeds_position(polish->seeds, i, x);
-    memcpy(y, x, sizeof y);
-    add_pull(polish, i, v);
-    vor_surface_glide(surface, v, VOR_REPEL_STEP_MAX * spacing_of(polish, i), y);
-    step_to(polish, i, x, y);
+    vor_glide_go(far);
+    for (unsigned j = 0; j < far->count; j++)
+        step_to(polish, far->i[j], far->x[j]);
+    far->count = 0;
 }
 
 /* Mostly the last fit serves, the list has all that is near, and no hole is looked for. */
@@ -360,16 +358,20 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct polish *polish = ctx;
     struct vor_seeds *seeds = polish->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
+    struct vor_glide far = {.count = 0};
 
     for (size_t i = begin; i < end; i++) {
         const struct vor_surface *last = vor_seeds_last(seeds, i, &polish->recall);
         int cell =
             polish->cells && !(polish->quiet[i] && polish->stage.record.step % polish->aim->quiet);
-        double v[3];
+        double v[3] = {0};
         int summed = sum_forces(polish, i, v);
 
         if (summed && last != NULL && !cell) {
-            glide(polish, last, i, v);
+            add_pull(polish, i, v);
+            if (vor_glide_add(&far, last, i, VOR_REPEL_STEP_MAX * spacing_of(polish, i),
+                              &seeds->xyz[3 * i], v))
+                glide(polish, &far);
             continue;
         }
         memcpy(&polish->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
@@ -386,6 +388,7 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
             repulsion(polish, scratch, i, v);
         move(polish, scratch, i, v);
     }
+    glide(polish, &far);
 }
 
 static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)

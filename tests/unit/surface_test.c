@@ -1,5 +1,6 @@
 /* The local surface: what it recovers, where it falls back, how it goes on and projects. */
 #include "core/base/linalg.h"
+#include "core/geom/glide.h"
 #include "core/geom/surface.h"
 #include "tests/support/vt.h"
 
@@ -285,26 +286,35 @@ VT_TEST_LOOP(a_projected_point_is_the_foot_of_its_perpendicular, SEEDS)
 VT_TEST_LOOP(what_glides_moves_along_the_surface_and_is_put_onto_it, SEEDS)
 {
     float near[3 * K];
-    double x[3], v[3], y[3], local[3], normal[3], length, most;
+    double x[3], v[3], local[3], normal[3], length, most;
+    struct vor_glide glide = {.count = 0}, before;
     struct vor_surface s;
 
     sample_quadric(near, (uint64_t)_i, 0.25);
     vor_surface_fit(&s, near, K);
-    for (unsigned c = 0; c < 3; c++) {
-        x[c] = s.origin[c] + 0.2 * s.reach * step((uint64_t)_i, 900 + c, 100);
-        v[c] = 0.3 * s.reach * step((uint64_t)_i, 910 + c, 100);
-    }
-    memcpy(y, x, sizeof y);
-    vor_surface_to_local(&s, x, local);
-    vor_surface_normal(&s, local, normal);
     most = 0.1 * s.reach;
-    vor_surface_glide(&s, v, most, y);
-    vor_remove_along(v, normal, 0);
-    length = sqrt(vor_dot(v, v));
-    for (int c = 0; c < 3; c++)
-        x[c] += v[c] * (length > most ? most / length : 1);
-    vor_surface_put(&s, x);
-    ck_assert_double_le(gap2(x, y), 1e-24 * s.reach * s.reach);
+    for (unsigned j = 0; j < (unsigned)_i % VOR_GLIDE_LANES + 1; j++) {
+        float at[3];
+
+        for (unsigned c = 0; c < 3; c++) {
+            at[c] = (float)(s.origin[c] + 0.6 * j * s.reach * step((uint64_t)_i, 900 + c, 100));
+            v[c] = 0.3 * s.reach * step((uint64_t)_i, 910 + c + 3 * j, 100);
+        }
+        ck_assert_int_eq(vor_glide_add(&glide, &s, j, most, at, v), j + 1 == VOR_GLIDE_LANES);
+    }
+    before = glide;
+    vor_glide_go(&glide);
+    for (unsigned j = 0; j < glide.count; j++) {
+        memcpy(x, before.x[j], sizeof x);
+        vor_surface_to_local(&s, x, local);
+        vor_surface_normal(&s, local, normal);
+        vor_remove_along(before.v[j], normal, 0);
+        length = sqrt(vor_dot(before.v[j], before.v[j]));
+        for (int c = 0; c < 3; c++)
+            x[c] += before.v[j][c] * (length > most ? most / length : 1);
+        vor_surface_put(&s, x);
+        ck_assert_double_le(gap2(x, glide.x[j]), 1e-24 * s.reach * s.reach);
+    }
 }
 
 VT_TEST_LOOP(a_weight_counts_like_so_many_points, SEEDS)
