@@ -24,8 +24,10 @@ enum {
      */
     PLACES = VOR_NEIGHBORS_PLACES,
     REGIONS_POLLED = 64, /* for the different lattices of parts */
-    BLOCK = 4096,        /* points of one task */
-    SMOOTH_BLOCK = 256   /* points of one task */
+    /* Points of a region of the order of the input: of a codec's many coincide. Of 12 clouds of two
+     * grids that overlap, with regions of 1 / 4 blocks 6 / 12 are named. */
+    SOURCE_BLOCK = 4 * VOR_LATTICE_BLOCK,
+    BLOCK = 4096, /* points of one task */
 };
 
 /* Cells over spacing, below which the lattice does not matter, on any axis that has many levels.
@@ -287,8 +289,20 @@ int vor_lattice_is_wide(const struct vor_lattice *lattice)
     return vor_lattice_is_full(lattice) && widest > VOR_CELL_SMALL * lattice->spacing;
 }
 
-/* Keeps the lattices of regions that one beside them has too. */
-static void keep_shared(struct vor_regions *regions, size_t points)
+/* Whether a region is looked at, of pairs of which one begins at every `step`-th; and which one it
+ * is of these. */
+static int is_polled(size_t region, size_t step)
+{
+    return step < 2 || region % step < 2;
+}
+
+static size_t row_of(size_t region, size_t step)
+{
+    return step < 2 ? region : 2 * (region / step) + region % step;
+}
+
+/* Keeps the lattices of regions that one beside them has too. count: points of those looked at. */
+static void keep_shared(struct vor_regions *regions, const size_t *count, size_t step)
 {
     int before = 0;
 
@@ -301,7 +315,7 @@ static void keep_shared(struct vor_regions *regions, size_t points)
         if (!(cell[0] > 0) || !(before || after))
             memset(cell, 0, sizeof regions->cell[i]);
         else
-            regions->eligible += i + 1 < regions->n ? regions->many : points - i * regions->many;
+            regions->eligible += count[row_of(i, step)];
         before = after;
     }
 }
@@ -334,31 +348,79 @@ static void find_pitches(struct vor_regions *regions)
     }
 }
 
-vor_status vor_lattice_find_regions(struct vor_regions *out, const struct vor_domain *domain,
-                                    size_t step, const struct vor_run *run, struct vor_error *err)
+/* Lists the points of the regions that are looked at, `many` for each of them at most. */
+static void list_members(uint32_t *member, size_t *count, const struct vor_regions *regions,
+                         const struct vor_domain *domain, size_t step)
 {
+    for (size_t i = 0; i < domain->n; i++) {
+        size_t region = vor_region_of(regions, domain, i), row = row_of(region, step);
+
+        if (is_polled(region, step))
+            member[row * regions->many + count[row]++] = (uint32_t)i;
+    }
+}
+
+/* Finds the lattices of regions of the order that out->by_source says; last: the largest number of
+ * a point there. */
+static vor_status find_by(struct vor_regions *out, const struct vor_domain *domain, size_t last,
+                          size_t step, const struct vor_run *run, struct vor_error *err)
+{
+    size_t *count, rows;
+    uint32_t *member;
     vor_status status = VOR_OK;
 
-    out->many = VOR_LATTICE_BLOCK;
-    out->n = vor_blocks_of(domain->n, out->many);
+    out->many = out->by_source ? SOURCE_BLOCK : VOR_LATTICE_BLOCK;
+    out->n = last / out->many + 1;
+    rows = row_of(out->n, step) + 2;
     out->cell = vor_calloc(run->memory, out->n, sizeof *out->cell);
-    if (out->cell == NULL)
+    member = vor_malloc(run->memory, rows, out->many * sizeof *member);
+    count = vor_calloc(run->memory, rows, sizeof *count);
+    if (out->cell == NULL || member == NULL || count == NULL) {
+        VOR_FREE_ALL(run->memory, count, member);
         return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
+    }
+    list_members(member, count, out, domain, step);
     for (size_t i = 0; status == VOR_OK && i < out->n; i++) {
+        float xyz[3 * SOURCE_BLOCK];
         struct vor_domain piece = *domain; /* in the index of all */
         struct vor_lattice found = {0};
+        size_t row = row_of(i, step);
 
-        piece.xyz = &domain->xyz[3 * i * out->many];
-        piece.n = i + 1 < out->n ? out->many : domain->n - i * out->many;
-        if (step < 2 || i % step < 2)
-            status = find(&found, &piece, 1, run, err);
+        if (!is_polled(i, step))
+            continue;
+        piece.xyz = xyz;
+        piece.n = count[row];
+        vor_gather(xyz, domain->xyz, &member[row * out->many], (unsigned)count[row]);
+        status = find(&found, &piece, 1, run, err);
         for (int c = 0; c < 3; c++)
             out->widest[c] = fmax(out->widest[c], found.cell[c]);
         if (vor_lattice_is_wide(&found))
             memcpy(out->cell[i], found.cell, sizeof found.cell);
     }
-    keep_shared(out, domain->n);
+    keep_shared(out, count, step);
     find_pitches(out);
+    VOR_FREE_ALL(run->memory, count, member);
+    return status;
+}
+
+vor_status vor_lattice_find_regions(struct vor_regions *out, const struct vor_domain *domain,
+                                    size_t step, const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_regions other = {.by_source = 1};
+    vor_status status = find_by(out, domain, domain->n - 1, step, run, err);
+    size_t last = 0;
+
+    if (status != VOR_OK || out->eligible >= domain->n || domain->n <= SOURCE_BLOCK)
+        return status; /* or there is no second region */
+    for (size_t i = 0; i < domain->n; i++)
+        last = domain->source[i] > last ? domain->source[i] : last;
+    status = find_by(&other, domain, last, step, run, err);
+    if (status == VOR_OK && other.eligible > out->eligible && !(out->pitch[1] > other.pitch[1])) {
+        vor_free(run->memory, out->cell);
+        *out = other;
+        other.cell = NULL;
+    }
+    vor_free(run->memory, other.cell);
     return status;
 }
 
@@ -486,7 +548,7 @@ vor_status vor_lattice_smooth(struct vor_domain *domain, size_t *moved,
     smooth.xyz = vor_malloc(run->memory, domain->n, 3 * sizeof *smooth.xyz);
     if (smooth.xyz == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
-    status = vor_run_for(run, domain->n, SMOOTH_BLOCK, smooth_block, &smooth, err);
+    status = vor_run_for(run, domain->n, VOR_LATTICE_BLOCK, smooth_block, &smooth, err);
     if (status != VOR_OK) {
         vor_free(run->memory, smooth.xyz);
         return status;

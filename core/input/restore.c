@@ -168,7 +168,7 @@ static void make_fit(struct fit *fit, const struct hood *hood, unsigned k, const
 
 static const double *cell_at(const struct restore *restore, size_t i)
 {
-    return restore->regions.cell[i / restore->regions.many];
+    return restore->regions.cell[vor_region_of(&restore->regions, &restore->domain, i)];
 }
 
 /* Tells the neighbours what a fit says of them. */
