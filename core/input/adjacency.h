@@ -25,23 +25,24 @@
 #include "core/input/domain.h"
 #include "core/input/sheet_walk.h"
 
-/** Finds out whether lists pay for fits: at how many of 1,024 places a second sheet lies over or
- * crosses that of the point. Creases, noise and steps of depth are none.
+/** Finds out whether lists pay for fits: whether at eight or more of 1,024 places a second sheet
+ *  lies over or crosses that of the point. Creases, noise and steps of depth are none.
  *
- *  @param[out] lists  VOR_LISTS_LOCAL: at eight or more; VOR_LISTS_FEW: at four or more, which pays
- *                     where triangles are to be made, that fits to two sheets spoil;
- *                     VOR_LISTS_NONE
+ *  @param[out] lists   VOR_LISTS_LOCAL, VOR_LISTS_NONE; VOR_LISTS_FEW where but a spot has sheets
+ *  @param[in]  nearby  such spots are looked for: where a second sheet lies over a place, the
+ *                      points near it count, too. It pays where triangles are to be made, that
+ *                      fits to two sheets spoil
  *
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
- *  O(log n), on the run's pool. The same
- *  answer for any number of threads. */
+ *  O(log n), on the run's pool. The same answer for any number of threads. */
 VOR_NODISCARD vor_status vor_adjacency_probe(enum vor_lists *lists, const struct vor_domain *domain,
-                                             const struct vor_run *run, struct vor_error *err);
+                                             int nearby, const struct vor_run *run,
+                                             struct vor_error *err);
 
 /** Makes the lists of the domain's points. graph->own is 1 where fits are to be made to the
  *  list; elsewhere the nearest points lie on one surface, or the list helps a fit little. Where
- *  known.lists is VOR_LISTS_FEW, only lists that leave out a sheet that lies over them are made.
+ *  known.lists is VOR_LISTS_FEW, only lists near places where a second sheet lies over are made.
  *
  *  @param[out] out  free with vor_graph_free; untouched on failure
  *

@@ -53,7 +53,7 @@ struct vor_sheeted {
 enum vor_lists {
     VOR_LISTS_NONE,
     VOR_LISTS_LOCAL,     /**< input/adjacency.h */
-    VOR_LISTS_FEW,       /**< the same, and the nearest points where no second sheet shows */
+    VOR_LISTS_FEW,       /**< the same near places with a second sheet, else the nearest points */
     VOR_LISTS_SATELLITES /**< input/satellites.h */
 };
 

@@ -162,18 +162,16 @@ static vor_status choose_lists(struct vor_domain *domain, const struct vor_spec 
                                const struct vor_run *run, struct vor_error *err)
 {
     int makes_triangles = vor_process_takes(spec->process, VOR_PARAM_SOUP);
-    enum vor_lists lists;
+    /* where a list of the input reaches as far as the cell of a point of the result */
+    int reaches = VOR_ADJACENT * vor_spec_target(spec, domain->n) >= (double)domain->n;
+    enum vor_lists *lists = &domain->known.lists;
     vor_status status;
 
     if (spec->value[VOR_PARAM_INTRINSIC] != VOR_INTRINSIC_LOCAL ||
         domain->known.neighbors.usual > VOR_ADJACENT)
         return VOR_OK;
-    status = vor_adjacency_probe(&lists, domain, run, err);
-    /* where a list of the input reaches as far as the cell of a point of the result */
-    if (lists != VOR_LISTS_FEW ||
-        (makes_triangles && VOR_ADJACENT * vor_spec_target(spec, domain->n) >= (double)domain->n))
-        domain->known.lists = lists;
-    domain->known.parted = makes_triangles && lists != VOR_LISTS_FEW;
+    status = vor_adjacency_probe(lists, domain, makes_triangles && reaches, run, err);
+    domain->known.parted = makes_triangles && *lists != VOR_LISTS_FEW;
     return status;
 }
 
