@@ -14,9 +14,9 @@
 #include "core/input/domain.h"
 
 /** Finds out where the input has sheets: whether the 50 nearest points form layers is asked at 128
- *  places, and at ten or more of the sixteen nearest to a place, itself with them, they have to.
- *  Elsewhere fits of seeds do not look for layers, so that noise and edges are not taken for
- * sheets.
+ *  places, and at ten or more of the sixteen nearest to a place, itself with them, they have to;
+ *  at five or more in an input with sheets on much of it. Elsewhere fits of seeds do not look for
+ *  layers, so that noise and edges are not taken for sheets.
  *
  *  @param[out] out  set on success: sheeted; and sheets, whether points form layers at 48 or more
  * of the places
