@@ -40,6 +40,15 @@ struct vor_span {
         join[VOR_SPAN_JOINS]; /**< the largest and least supported, in the order of joining */
 };
 
+/** The byte of an edge of a weight, 0 .. 1. */
+static inline unsigned char vor_span_edge(double weight, int turns)
+{
+    double level = weight * VOR_SPAN_LEVELS;
+
+    return (unsigned char)((level < VOR_SPAN_LEVELS - 1 ? level : VOR_SPAN_LEVELS - 1) +
+                           (turns ? VOR_SPAN_TURNS : 0));
+}
+
 /** Votes of an edge: for its sign to be what it says if both signs are right, against it if not.
  * The heavier, the less. */
 static inline double vor_span_vote(unsigned edge, unsigned differ)

@@ -2,9 +2,10 @@
 
 #include "core/base/linalg.h"
 #include "core/geom/flip.h"
-#include "core/geom/surface.h"
+#include "core/geom/layers.h"
 #include "core/geom/winding.h"
 #include "core/input/adjacency.h"
+#include "core/input/back.h"
 #include "core/input/neighbors.h"
 #include "core/input/thin.h"
 
@@ -15,11 +16,11 @@
 
 enum {
     BLOCK = 256, /* points of one task */
-    /* Rounds in which neighbours vote on single points. At 0 / 3: of armadillo (third draw) 27 /
-     * 19 points are wrong. */
+    /* Rounds in which neighbours vote on single points, and those beside a rim are fitted as it is.
+     * At 0 / 3: of armadillo (third draw) 27 / 19 points are wrong; of a blade's 10,000 29 / 0. */
     VOTES = 3,
     /* Points that make a component of its own: twice what a list has. Without: nine points of
-     * armadillo (fifth draw) that no list has are wrong. Half and double: not measured. */
+     * armadillo (fifth draw) that no list has are wrong. */
     SMALL = 2 * VOR_ADJACENT
 };
 
@@ -30,41 +31,38 @@ enum {
  * different sides, over the root of the number of points, at 0.03 / 0.05 / 0.1: two Moebius bands
  * 17 and 6.5 at each; armadillo 0 / 0.04 / 0.19, two armadillos that intersect 0.65 / 2.3 / 4.5. */
 #define SURE 0.03
-/* Times the root of the number of points: more such edges than that make a surface one-sided. They
- * cross a seam, which is as long as the surface is wide. Measured: above; and the cow, whose tail
- * touches its body, has 1.1 to 2.0, which is no seam. */
+/* Times the root of the number of points: more such edges than that make a surface one-sided, and
+ * so many points a rim. They cross a seam, which is as long as the surface is wide. Measured:
+ * above; and the cow, whose tail touches its body, has 1.1 to 2.0, which is no seam. */
 #define SEAM 3.0
 /* Flux over the sum of the distances from the middle, below which a component has no inside, over
  * the length of the mean normal: that is 0 where a surface is closed. Measured, flux and mean
  * normal: igea 0.87 and 0, a torus knot of tube 0.12 around a ring of 2 0.08 and 0, a plate 1 x 1 x
- * 0.02 0.12 and 0; autzen, a terrain with buildings and trees, 0.09 and 0.62. A half sphere has
- * 0.88 and 0.5. */
+ * 0.02 0.12 and 0; autzen, a terrain, 0.09 and 0.62; a half sphere 0.88 and 0.5. */
 #define INSIDE 0.5
 /* Those carried normals of a component that agree less those that do not, over all of them: beyond
  * it they say the side. Not measured: those of one scan agree (1), random signs do not (0). */
 #define AGREE 0.5
-/* What must be against a point before its neighbours change its side, for each of them. At 0 / 0.1:
- * of fandisk's points with noise (three draws) 3 / 0 are wrong for it; at 0.1 / 0.4 of armadillo's
- * (third draw) 0 / 1. */
+/* What must be against a point before its neighbours change its side, for each. At 0 / 0.1 of
+ * fandisk's with noise 3 / 0 are wrong for it (three draws), at 0.1 / 0.4 of armadillo's 0 / 1. */
 #define OUTVOTE 0.1
 /* Mean winding number on a surface, or less its sign, beyond which it is closed. Measured: igea,
- * armadillo, cow 0.5, fandisk with noise 0.7; the depth scan office1 0.04. Half
- * and double: not measured. */
+ * armadillo, cow 0.5, fandisk with noise 0.7; the depth scan office1 0.04. */
 #define CLOSED 0.25
 /* Mean square of how far winding numbers are from a half, beyond which a surface is not well
  * closed: between clean closed surfaces, 0.0002 to 0.007, with noise of a third of the spacing
  * 0.04, and a wedge of which a face is on the wrong side, 0.11. */
 #define APART 0.06
-/* Mean square off its surface of a point's list, over that of its nearest, below which these are
- * of two sheets. */
+/* Mean square off the surface of a list over that of the nearest, below which they are two sheets.
+ */
 #define OWN 0.25
-#define PI 3.14159265358979
 
 /* What edges weigh more for. */
 enum shun {
     SHUN_NOTHING,
     SHUN_APART, /* that the planes of their ends lie apart: two sheets */
-    SHUN_ROUGH  /* that an end is off the surface fitted to it */
+    SHUN_ROUGH, /* that an end is off the surface fitted to it */
+    SHUN_BACK   /* the same, and edges are by `back` from here on */
 };
 
 /* The points to orient and what is found of them. */
@@ -75,9 +73,11 @@ struct orient {
     const struct vor_attribute *carried;
     float *normal;
     unsigned char *edge;
-    float *area;  /* that the points stand for */
-    float *rough; /* how far, in spacings, the points are off the surface fitted to them */
+    float *area;          /* that the points stand for */
+    float *rough;         /* how far, in spacings, the points are off the surface fitted to them */
+    struct vor_back back; /* where the surface bends back on itself */
     enum shun shun;
+    int bends; /* edges there are by `back` */
     int moved; /* signs spread anew were others than those before */
     struct vor_span span;
 };
@@ -148,6 +148,9 @@ static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
         vor_to_doubles(normal, &orient->graph->normal[3 * i]);
         orient->rough[i] =
             surface.spacing > 0 ? (float)(sqrt(surface.off2) / surface.spacing) : 1.f;
+        orient->back.at[i] = vor_layers_possible(&surface) && vor_back_take(&orient->back, i);
+        if (orient->back.at[i])
+            continue;
         if (surface.kind != VOR_SURFACE_NONE) {
             vor_to_doubles(x, &orient->on->xyz[3 * i]);
             vor_surface_to_local(&surface, x, local);
@@ -175,13 +178,12 @@ static unsigned char edge_of(const struct orient *orient, size_t i, size_t j)
     mirrored = vor_dot(m, n) - 2 * a * b / length2;
     steep = fmax(a * a, b * b) / length2;
     weight = fmax(0, 1 - fabs(mirrored) + STEEP * steep);
-    if (orient->shun == SHUN_ROUGH)
+    if (orient->shun >= SHUN_ROUGH)
         more = fmin(1, fmax((double)orient->rough[i], (double)orient->rough[j]));
     else if (orient->shun == SHUN_APART) /* 0 on an arc, and across an edge */
         more = (a * a + b * b + (mirrored < 0 ? -2 : 2) * a * b) / (4 * length2);
-    weight = (weight + more) / (1 + STEEP + (orient->shun == SHUN_ROUGH));
-    return (unsigned char)(fmin(weight * VOR_SPAN_LEVELS, VOR_SPAN_LEVELS - 1) +
-                           (mirrored < 0 ? VOR_SPAN_TURNS : 0));
+    return vor_span_edge((weight + more) / (1 + STEEP + (orient->shun >= SHUN_ROUGH)),
+                         mirrored < 0);
 }
 
 static void edge_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
@@ -193,6 +195,16 @@ static void edge_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
         for (unsigned a = 0; a < graph->count[i]; a++)
             orient->edge[i * graph->most + a] =
                 edge_of(orient, i, graph->list[i * graph->most + a]);
+}
+
+static vor_status make_edges(struct orient *orient, const struct vor_run *run,
+                             struct vor_error *err)
+{
+    vor_status status = vor_run_for(run, orient->on->n, BLOCK, edge_block, orient, err);
+
+    if (orient->bends)
+        VOR_THEN(status, vor_back_edges(&orient->back, orient->edge, run, err));
+    return status;
 }
 
 static void turn(struct orient *orient)
@@ -214,7 +226,7 @@ static double area_of(const struct orient *orient, size_t i)
     for (unsigned a = 0; a < count; a++)
         mutual += (unsigned)vor_graph_has(graph, list[a], (uint32_t)i);
     return mutual == 0 ? 0
-                       : PI * vor_distance2f(&xyz[3 * i], &xyz[3 * (size_t)list[count - 1]]) *
+                       : M_PI * vor_distance2f(&xyz[3 * i], &xyz[3 * (size_t)list[count - 1]]) *
                              mutual / (count * count);
 }
 
@@ -385,12 +397,10 @@ static vor_status spread_anew(struct anew *anew, const struct vor_winding_points
     size_t n = orient->on->n;
     vor_status status = vor_span_make(&anew->span, orient->graph, orient->edge, 1, run, err);
 
-    if (status == VOR_OK)
-        status = vor_winding_turn(&anew->span, points, run, err);
+    VOR_THEN(status, vor_winding_turn(&anew->span, points, run, err));
     for (unsigned k = 0; k < VOTES && status == VOR_OK; k++)
         status = vor_run_for(run, n, n, outvote, anew, err); /* one task: their order decides */
-    if (status == VOR_OK)
-        status = vor_winding_find(anew->found, &anew->span, points, run, err);
+    VOR_THEN(status, vor_winding_find(anew->found, &anew->span, points, run, err));
     return status;
 }
 
@@ -404,6 +414,8 @@ static int is_closed(const struct vor_winding_found *found)
 static int takes(enum shun shun, const struct vor_winding_found *was,
                  const struct vor_winding_found *now)
 {
+    if (shun == SHUN_BACK)
+        return is_closed(now) && now->apart <= was->apart;
     if (shun == SHUN_NOTHING)
         return is_closed(was) && now->apart < 2 * was->apart;
     return (shun == SHUN_APART || was->apart >= APART) && is_closed(now) &&
@@ -427,6 +439,8 @@ static vor_status try_anew(struct orient *orient, struct vor_winding_found *foun
 
         if (takes(orient->shun, &found[c], &anew.found[c]))
             orient->span.odd[i] = anew.span.odd[i];
+        else if (orient->shun == SHUN_BACK)
+            orient->back.at[i] = VOR_BACK_NOT;
     }
     for (size_t c = 0; c < orient->span.components && status == VOR_OK; c++) {
         orient->moved |=
@@ -447,12 +461,11 @@ static vor_status close_up(struct orient *orient, enum shun shun, struct vor_win
     vor_status status;
 
     orient->shun = shun;
-    status = vor_run_for(run, orient->on->n, BLOCK, edge_block, orient, err);
-    if (status == VOR_OK)
-        status = try_anew(orient, found, points, run, err);
+    status = make_edges(orient, run, err);
+    VOR_THEN(status, try_anew(orient, found, points, run, err));
     orient->shun = SHUN_NOTHING;
-    return status == VOR_OK ? vor_run_for(run, orient->on->n, BLOCK, edge_block, orient, err)
-                            : status;
+    VOR_THEN(status, make_edges(orient, run, err));
+    return status;
 }
 
 /* Mends the signs of components that are closed, or can be. */
@@ -466,6 +479,9 @@ static vor_status mend(struct orient *orient, const struct vor_winding_points *p
     if (found == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu parts", components);
     status = vor_winding_find(found, &orient->span, points, run, err);
+    orient->bends = (double)orient->back.points > SEAM * sqrt((double)orient->on->n);
+    if (status == VOR_OK && orient->bends)
+        status = close_up(orient, SHUN_BACK, found, points, run, err);
     for (size_t c = 0; c < components && status == VOR_OK; c++)
         closed += is_closed(&found[c]);
     if (status == VOR_OK && closed > 0 &&
@@ -499,8 +515,7 @@ static vor_status spread(struct vor_orientation *out, struct orient *orient,
         area[i] = (float)area_of(orient, i);
     orient->area = area;
     status = vor_span_make(&orient->span, orient->graph, orient->edge, 0, run, err);
-    if (status == VOR_OK)
-        status = mend(orient, &points, run, err);
+    VOR_THEN(status, mend(orient, &points, run, err));
     if (status == VOR_OK)
         status =
             vor_flip_regions(&orient->span, orient->graph, orient->edge, &points, &how, run, err);
@@ -519,18 +534,17 @@ static vor_status fit_and_spread(struct vor_orientation *out, struct orient *ori
                                  const struct vor_run *run, struct vor_error *err)
 {
     size_t n = orient->on->n;
-    vor_status status;
+    vor_status status = VOR_MAKE_ALL(run->memory, err, n, VOR_ARRAY(orient->rough, n, 1),
+                                     VOR_ARRAY(orient->edge, n, orient->graph->most),
+                                     VOR_ARRAY(out->normal, n, 3), VOR_ARRAY(out->back, n, 1));
 
-    orient->rough = vor_malloc(run->memory, n, sizeof *orient->rough);
-    orient->edge = vor_malloc(run->memory, n, orient->graph->most);
-    if (orient->edge == NULL || orient->rough == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
-    else
-        status = vor_run_for(run, n, BLOCK, normal_block, orient, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, n, BLOCK, edge_block, orient, err);
-    if (status == VOR_OK)
-        status = spread(out, orient, run, err);
+    orient->normal = out->normal;
+    orient->back =
+        (struct vor_back){orient->on, orient->graph, out->normal, out->back, orient->rough, 0};
+    VOR_THEN(status, vor_run_for(run, n, BLOCK, normal_block, orient, err));
+    VOR_THEN(status, vor_back_grow(&orient->back, VOTES, run, err));
+    VOR_THEN(status, vor_run_for(run, n, BLOCK, edge_block, orient, err));
+    VOR_THEN(status, spread(out, orient, run, err));
     VOR_FREE_ALL(run->memory, orient->rough, orient->edge);
     return status;
 }
@@ -558,8 +572,7 @@ static vor_status make_lists(struct vor_graph *out, const struct vor_domain *on,
     if (!plain || on->n <= VOR_ADJACENT)
         return vor_adjacency_make(out, on, run, err);
     status = vor_graph_init(out, on->n, VOR_ADJACENT, run->memory, err);
-    if (status == VOR_OK)
-        status = vor_graph_nearest(out, on->knn, on->xyz, VOR_ADJACENT, run, err);
+    VOR_THEN(status, vor_graph_nearest(out, on->knn, on->xyz, VOR_ADJACENT, run, err));
     return status;
 }
 
@@ -575,26 +588,13 @@ vor_status vor_orient(struct vor_orientation *out, const struct vor_domain *doma
     if (status == VOR_OK && made.thin.n > 0)
         orient.on = &made.thin;
     orient.graph = orient.on == domain && vor_graph_is(&domain->graph) ? &domain->graph : &own;
-    if (status == VOR_OK && orient.graph == &own)
-        status = make_lists(&own, orient.on, how->plain, run, err);
-    if (status == VOR_OK) {
-        made.normal = vor_malloc(run->memory, orient.on->n, 3 * sizeof *made.normal);
-        orient.normal = made.normal;
-        status = made.normal == NULL ? vor_fail(err, VOR_E_NOMEM, "%zu points", orient.on->n)
-                                     : fit_and_spread(&made, &orient, run, err);
-    }
+    if (orient.graph == &own)
+        VOR_THEN(status, make_lists(&own, orient.on, how->plain, run, err));
+    VOR_THEN(status, fit_and_spread(&made, &orient, run, err));
     vor_graph_free(&own);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = made;
+    else
         vor_orientation_free(&made, run->memory);
-        return status;
-    }
-    *out = made;
-    return VOR_OK;
-}
-
-void vor_orientation_free(struct vor_orientation *orientation, struct vor_memory *memory)
-{
-    vor_free(memory, orientation->normal);
-    orientation->normal = NULL;
-    vor_domain_free(&orientation->thin);
+    return status;
 }

@@ -21,23 +21,28 @@
  *  are not taken where the first signs close the surface twice as well, and others are where edges
  *  between planes that lie apart are crossed last and close it twice as well: of 4,784 results on a
  *  screw 209 and 2 face inward, of 5,426 on a block with thin walls 129 and 4.
- *  Departure: with noise, and where a surface is open, regions are turned that three quarters of
- * the edges around them contradict (geom/flip.h). Points on the wrong side, of clouds with noise of
- * 0.3 spacings, without and with it: a bore through a block 157 and 10 of 5,921 (294 and 0 of
- * 12,695), a gear's tooth 53 and 8 of 3,230, of sheets above each other 97 and 3 of 7,282, 408 and
- * 2 of 6,219. Measured, of 30,000 points of white noise those whose normal leads into the face they
- * were drawn from, and in brackets those of which all faces within a spacing agree on it; the
- * others lie on blades and creases, where the fit is that of another face. Armadillo, ten draws: 12
- * to 57 (0 in five, 1 to 35 on fingers in the others, 75 in all); igea and fandisk 1 (0); torus and
- * knots of tube 0.4, 0.2 and 0.12: 0. The cow, whose tail lies along its body, 400 to 1,200, before
- * 1,200 to 1,400. Departure: each connected component then faces away from its own inside. A closed
- * surface has more of its normals, by area, leading away from its middle than towards it: the flux
- * of x minus the middle through it is three times its volume. The same goes for a dome. Where that
- * flux is small against the sum of the normals, as on a terrain, the component faces upward: the
- * largest coordinate of the sum of its normals is made positive. A point's area counts by the share
- * of its neighbours that have it among theirs: five strays ten radii from a sphere of 4,000 points
- * had more than the sphere, which then faced inward. Departure: a surface with one side only, such
- * as a Moebius band, is counted. */
+ *  Departure: where a list has both faces of a thin part, as at the rim of a blade, one height fits
+ *  neither: a quadratic in x, y and z does, whose gradient says which points face alike
+ *  (input/back.h). Where there are as many such points as a rim has, a component takes its edges
+ *  if signs spread along them close it at least as well. Of 10,000 points on ellipsoids 1 x 0.4 x
+ * 0.02, 0.03 and 0.04 without them 4,934, 256, 20, 5,007, 151 and 25 face inward, with them 0, 4,
+ * 4, 0, 8 and 5. Departure: with noise, and where a surface is open, regions are turned that three
+ * quarters of the edges around them contradict (geom/flip.h). Points on the wrong side, of clouds
+ * with noise of 0.3 spacings, without and with it: a bore through a block 157 and 10 of 5,921 (294
+ * and 0 of 12,695), a gear's tooth 53 and 8 of 3,230, of sheets above each other 97 and 3 of 7,282,
+ * 408 and 2 of 6,219. Measured, of 30,000 points of white noise those whose normal leads into the
+ * face they were drawn from, and in brackets those of which all faces within a spacing agree on it;
+ * the others lie on blades and creases, where the fit is that of another face. Armadillo, ten
+ * draws: 12 to 57 (0 in five, 1 to 35 on fingers in the others, 75 in all); igea and fandisk 1 (0);
+ * torus and knots of tube 0.4, 0.2 and 0.12: 0. The cow, whose tail lies along its body, 400 to
+ * 1,200, before 1,200 to 1,400. Departure: each connected component then faces away from its own
+ * inside. A closed surface has more of its normals, by area, leading away from its middle than
+ * towards it: the flux of x minus the middle through it is three times its volume. The same goes
+ * for a dome. Where that flux is small against the sum of the normals, as on a terrain, the
+ * component faces upward: the largest coordinate of the sum of its normals is made positive. A
+ * point's area counts by the share of its neighbours that have it among theirs: five strays ten
+ * radii from a sphere of 4,000 points had more than the sphere, which then faced inward. Departure:
+ * a surface with one side only, such as a Moebius band, is counted. */
 #ifndef VOR_INPUT_ORIENT_H
 #define VOR_INPUT_ORIENT_H
 
@@ -47,6 +52,7 @@
 struct vor_orientation {
     struct vor_domain thin; /**< the points; n is 0 if they are those of the domain itself */
     float *normal;          /**< a unit vector for each point */
+    unsigned char *back;    /**< of each, an enum vor_back_at (input/back.h) */
     size_t components;      /**< connected components */
     size_t one_sided;       /**< those among them that have one side only */
 };
@@ -70,7 +76,7 @@ struct vor_orient_how {
  *
  *  @param[out] out  free with vor_orientation_free; untouched on failure
  *
- *  @retval VOR_E_NOMEM 166 bytes for each point that is left do not fit: the graph's 94, and 72
+ *  @retval VOR_E_NOMEM 168 bytes for each point that is left do not fit: the graph's 94, and 74
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
  *  O(n log n), on the run's pool. The same bytes for any number of threads. Measured on one thread,
@@ -84,15 +90,24 @@ VOR_NODISCARD vor_status vor_orient(struct vor_orientation *out, const struct vo
 /** Adds up, over the oriented points around x (normalised, of the same domain), which side `normal`
  *  is on: positive where it agrees with theirs, the nearest on its sheet first.
  *
- *  @param[out]    toward  the sum of their normals
- *  @param[in,out] last    of a row of places near each other
+ *  @param[in,out] normal  where the surface bends back on itself (input/back.h), what is fitted to
+ *                         both faces has it in the end; elsewhere it stays as it is
+ *  @param[out]    toward  the sum of their normals; there, the gradient's direction with their sign
+ *  @param[in,out] last     of a row of places near each other
  *
  *  O(log n). */
 double vor_orientation_side(const struct vor_orientation *orientation,
-                            const struct vor_domain *domain, const float x[3],
-                            const double normal[3], double toward[3], struct vor_knn_last *last);
+                            const struct vor_domain *domain, const float x[3], double normal[3],
+                            double toward[3], struct vor_knn_last *last);
 
 /** orientation may be all zero. */
-void vor_orientation_free(struct vor_orientation *orientation, struct vor_memory *memory);
+static inline void vor_orientation_free(struct vor_orientation *orientation,
+                                        struct vor_memory *memory)
+{
+    VOR_FREE_ALL(memory, orientation->back, orientation->normal);
+    orientation->normal = NULL;
+    orientation->back = NULL;
+    vor_domain_free(&orientation->thin);
+}
 
 #endif

@@ -244,6 +244,33 @@ VT_TEST_FIGURES(sharp_prisms_face_outward, VT_ONCE(6))
     vor_cloud_free(&cloud);
 }
 
+/* Blades, 1 by 0.4, as thick as one to three spacings: the lists of points at the rim have both
+ * faces, and a surface of one height fitted to them runs in between. */
+VT_TEST_FIGURES(blades_face_outward, VT_ONCE(6))
+{
+    const double half[] = {1, 0.4, 0.01 * (2 + _i % 3)};
+    struct vor_cloud cloud;
+    struct oriented oriented;
+    size_t wrong = 0;
+
+    vt_cloud_sphere(&cloud, (uint64_t)_i, 2 * (size_t)N);
+    for (size_t i = 0; i < 3 * cloud.n; i++)
+        cloud.xyz[i] *= (float)half[i % 3];
+    orient_on(&oriented, &cloud, 2);
+    for (size_t i = 0; i < oriented.domain.n; i++) {
+        double outward[3], own[3];
+
+        for (size_t c = 0; c < 3; c++)
+            outward[c] =
+                (double)cloud.xyz[3 * (size_t)oriented.domain.source[i] + c] / (half[c] * half[c]);
+        vor_to_doubles(own, &oriented.found.normal[3 * i]);
+        wrong += vor_dot(own, outward) < 0;
+    }
+    ck_assert_uint_le(wrong, cloud.n / 1000);
+    done(&oriented);
+    vor_cloud_free(&cloud);
+}
+
 /* Half of a square faces the other way, though most edges across the line deny it: it is turned. On
  * a sphere the same edges are wrong, as winding numbers show: nothing is turned. */
 VT_TEST_LOOP(regions_that_edges_contradict_are_turned_unless_that_opens_a_closed_surface,
