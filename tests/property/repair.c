@@ -99,13 +99,13 @@ VT_TEST_LOOP(triangles_become_better, VT_SOAK_LOOPS(2, 20))
         vt_cloud_sphere, vt_cloud_torus, vt_cloud_square, vt_cloud_box, vt_cloud_box};
 
     for (size_t s = 0; s < sizeof make / sizeof *make; s++) {
-        int sharp = s == 4; /* sheared; of most others the faces count as layers: no repair */
+        int sharp = s == 4; /* sheared; with more shear most faces count as sheets: no repair */
         struct vor_cloud in;
         struct vt_meshed plain, mended[3];
 
         make[s](&in, sharp ? 1 : (uint64_t)_i + 1, IN);
         for (size_t i = 0; sharp && i < in.n; i++)
-            in.xyz[3 * i] += 0.7F * in.xyz[3 * i + 2];
+            in.xyz[3 * i] += 0.3F * in.xyz[3 * i + 2];
         mesh_of(&plain, &in, 2, "none");
         for (unsigned t = 0; t < 3; t++) {
             mesh_of(&mended[t], &in, t + 1, "auto");
