@@ -12,19 +12,14 @@ enum {
      * poses that all samples refine. */
     MIDDLING = 16,
     LAST = 8,
-    FEWEST = 6,
     STEPS_TOLD = 4
 };
-
-/* A pose that scores less than this share of the best is not looked at again. */
-#define HOPELESS 0.6
 
 /* How far samples of the reference reach, over the distance between the few. */
 #define REACH 1.2
 
-/* Poses nearer than this are one: 1 - cos of 6 degrees, and a share of the unit. */
-#define TURNED 0.006
-#define SHIFTED 0.06
+/* Poses that put a cloud nearer than this to where the other one puts it are one, over the unit. */
+#define ALIKE 0.1
 
 /* Samples that lie on the other cloud are within this share of the gap, and within as many medians
  * of their distances in the best poses. */
@@ -145,26 +140,14 @@ static int better_first(const void *a, const void *b)
     return 0;
 }
 
-static double shifted2(const struct vor_pose *a, const struct vor_pose *b)
-{
-    double d2 = 0;
-
-    for (int c = 0; c < 3; c++)
-        d2 += (a->shift[c] - b->shift[c]) * (a->shift[c] - b->shift[c]);
-    return d2;
-}
-
 /* How far apart two poses put a cloud of size 1: turned, shifted and grown; squared. */
 static double apart2(const struct vor_pose *a, const struct vor_pose *b)
 {
-    double grown = a->scale / b->scale - 1;
+    double grown = a->scale / b->scale - 1, sum = 2 * vor_pose_turned(a, b) + grown * grown;
 
-    return 2 * vor_pose_turned(a, b) + shifted2(a, b) + grown * grown;
-}
-
-static int are_alike(const struct vor_pose *a, const struct vor_pose *b)
-{
-    return shifted2(a, b) < SHIFTED * SHIFTED && vor_pose_turned(a, b) < TURNED;
+    for (int c = 0; c < 3; c++)
+        sum += (a->shift[c] - b->shift[c]) * (a->shift[c] - b->shift[c]);
+    return sum;
 }
 
 /* Sorts the fits, best first, and keeps of those that are alike the best, and at most so many. */
@@ -178,12 +161,10 @@ static void keep_best(struct align *align, unsigned most)
         int known = 0;
 
         for (unsigned j = 0; j < kept; j++)
-            known |= are_alike(&fit[j].pose, &fit[i].pose);
+            known |= apart2(&fit[j].pose, &fit[i].pose) < ALIKE * ALIKE;
         if (!known)
             fit[kept++] = fit[i];
     }
-    while (kept > FEWEST && fit[kept - 1].score < HOPELESS * fit[0].score)
-        kept--;
     align->count = kept;
 }
 

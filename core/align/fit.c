@@ -4,21 +4,17 @@
 #include <string.h>
 
 enum {
-    FEW_STEPS = 12,
+    FEW_STEPS = 12, /* of the few samples, and of points */
     STEPS = 30,
-    SETTLED = 16,   /* steps by points, */
-    STEPPED = 4000, /* each by so many at least, if there are as many */
-    WEIGHED = 6000, /* points that say how well a pose fits, likewise */
-    CARRIERS = 6,   /* points of one cloud of which each may carry a point of the other one */
-    UNKNOWNS = 7,   /* turn, shift, scale */
-    AGAINST = 5,    /* the power of what is not in conflict, in a score */
-    BINS = 256      /* of a histogram */
+    LOOKED_AT = 4000, /* points at least, if there are as many, for a step and to weigh a pose */
+    CARRIERS = 6,     /* points of one cloud of which each may carry a point of the other one */
+    UNKNOWNS = 7,     /* turn, shift, scale */
+    AGAINST = 5,      /* the power of what is not in conflict, in a score */
+    BINS = 256        /* of a histogram */
 };
 
-/* Cosine of normals that count as alike. */
-#define ALIKE 0.5
-
-/* A point farther than this many gaps along the plane from the sample is beside the reference. */
+/* A point farther than this many gaps along the plane from the sample is beside the reference; one
+ * farther than this many reaches from a point is not on its plane. */
 #define BESIDE 1.6
 
 /* Least that a pose is held in every direction while it is fitted, so that it stays where it is
@@ -29,26 +25,18 @@ enum {
  * plane. */
 #define GROWS 0.01
 
-/* Distance of plausible residuals from 0, over their median. */
-#define PLAUSIBLE 4.0
-
-/* Cosine of planes of points that count as alike; of those whose distance is that of surfaces. */
-#define FACING 0.6
+/* Cosine of planes whose distance is that of surfaces. */
 #define PARALLEL 0.9
 
 /* Offsets that count in the next step, over the median of this one. The first steps take points as
- * many times as far from those of the reference as these reach, later ones fewer, the last one. */
-#define SETTLING 3.0
+ * many gaps or reaches from the reference, those by points one reach less after as many steps. */
 #define WIDEST 3.0
-#define NARROWED 3.0
 
 /* A point lies on a plane within so many times the noise of either cloud, or this share of how far
- * the plane reaches; no farther from the plane's point than this share of that. It hovers if it is
- * nearer the point than this share, seen along the normal, and within so many reaches. */
+ * the plane reaches. It hovers if it is nearer the point than the plane reaches, seen along the
+ * normal, and within so many reaches. */
 #define NOISES 4.0
 #define THICK 0.15
-#define FARTHEST 1.6
-#define ABOVE 0.8
 #define HIGHEST 6.0
 
 /* Noise at least, over how far planes reach. */
@@ -75,7 +63,7 @@ static int find_contact(struct contact *out, const struct vor_align_samples *ont
     double d[3], along2;
 
     vor_to_doubles(out->normal, &onto->normal[3 * (size_t)at]);
-    if (!(vor_dot(out->normal, normal) > ALIKE))
+    if (!(vor_dot(out->normal, normal) > VOR_ALIGN_ALIKE))
         return 0;
     for (int c = 0; c < 3; c++)
         d[c] = out->x[c] - (double)q[c];
@@ -166,6 +154,27 @@ static void move_sample(const struct vor_align_samples *cloud, size_t i,
         normal[c] = -normal[c];
 }
 
+/* Samples of one cloud on their way onto the other, and the nearest to the last one moved. */
+struct nearest {
+    const struct vor_align_samples *from, *onto;
+    struct vor_knn_last last;
+    uint32_t at;
+    float d2;
+};
+
+/* Moves sample i by a fit and finds its contact. */
+static int meets(struct contact *out, struct nearest *nearest, size_t i,
+                 const struct vor_align_fit *fit, double within)
+{
+    double normal[3];
+    float x[3];
+
+    move_sample(nearest->from, i, &fit->pose, fit->flip, out->x, normal);
+    vor_to_floats(x, out->x);
+    vor_knn_search_next(nearest->onto->knn, &nearest->last, x, 1, &nearest->at, &nearest->d2);
+    return find_contact(out, nearest->onto, nearest->at, normal, within);
+}
+
 void vor_align_refine_few(struct vor_pose *pose, int flip, const struct vor_align_fit_of *of)
 {
     const struct vor_align_samples *cloud = of->cloud;
@@ -220,19 +229,14 @@ static double add_all(struct equations *eq, const struct vor_align_fit *fit,
                       const struct vor_align_fit_of *of, double within)
 {
     const struct vor_align_samples *cloud = of->cloud;
-    struct vor_knn_last last = {.k = 0};
+    struct nearest nearest = {.from = of->cloud, .onto = of->reference};
     struct histogram h = {.most = within};
 
     for (size_t i = of->first; i < cloud->n; i += of->every) {
         struct contact contact;
-        double normal[3], near;
-        float x[3], d2;
-        uint32_t at;
+        double near;
 
-        move_sample(cloud, i, &fit->pose, fit->flip, contact.x, normal);
-        vor_to_floats(x, contact.x);
-        vor_knn_search_next(of->reference->knn, &last, x, 1, &at, &d2);
-        if (!find_contact(&contact, of->reference, at, normal, within))
+        if (!meets(&contact, &nearest, i, fit, within))
             continue;
         tell(&h, fabs(contact.off));
         near = 1 - contact.off * contact.off / (within * within);
@@ -240,12 +244,12 @@ static double add_all(struct equations *eq, const struct vor_align_fit *fit,
     }
     if (of->overlap > 0 && h.all > of->overlap * (double)cloud->n / of->every)
         return 1.5 * ranked(&h, of->overlap * (double)cloud->n / of->every);
-    return fmin(within, PLAUSIBLE * ranked(&h, h.all / 2.0));
+    return fmin(within, WIDEST * ranked(&h, h.all / 2.0));
 }
 
 void vor_align_refine(struct vor_align_fit *fit, const struct vor_align_fit_of *of)
 {
-    double gap = of->reference->gap, within = 3 * gap, moved = INFINITY;
+    double gap = of->reference->gap, within = WIDEST * gap, moved = INFINITY;
 
     for (int k = 0; k < STEPS && moved > STILL * gap; k++) {
         struct equations eq = {.weight = 0};
@@ -269,20 +273,14 @@ static void judge_side(struct side *side, const struct vor_align_fit_of *of, int
     const struct vor_align_samples *from = back ? of->reference : of->cloud;
     const struct vor_align_samples *onto = back ? of->cloud : of->reference;
     double reach = of->grid->reach * (back ? fit->pose.scale : 1);
-    struct vor_knn_last last = {.k = 0};
+    struct nearest nearest = {.from = from, .onto = onto};
 
     memset(side, 0, sizeof *side);
     side->off.most = within;
     for (size_t i = 0; i < from->n; i += of->every) {
         struct contact contact;
-        double normal[3];
-        float x[3], d2;
-        uint32_t at;
 
-        move_sample(from, i, &fit->pose, fit->flip, contact.x, normal);
-        vor_to_floats(x, contact.x);
-        vor_knn_search_next(onto->knn, &last, x, 1, &at, &d2);
-        if (find_contact(&contact, onto, at, normal, within)) {
+        if (meets(&contact, &nearest, i, fit, within)) {
             side->on++;
             side->sum += 1 - contact.off * contact.off / (within * within);
             side->sum2 += contact.off * contact.off;
@@ -290,13 +288,13 @@ static void judge_side(struct side *side, const struct vor_align_fit_of *of, int
             for (int c = 0; c < 3; c++)
                 side->x[c] += contact.x[c];
             side->x2 += vor_dot(contact.x, contact.x);
-        } else if ((double)d2 < reach * reach) {
-            double n[3], d[3], off;
+        } else if ((double)nearest.d2 < reach * reach) {
+            const float *q = &onto->xyz[3 * (size_t)nearest.at];
+            double d[3], off;
 
-            vor_to_doubles(n, &onto->normal[3 * (size_t)at]);
             for (int c = 0; c < 3; c++)
-                d[c] = contact.x[c] - (double)onto->xyz[3 * (size_t)at + (size_t)c];
-            off = vor_dot(d, n);
+                d[c] = contact.x[c] - (double)q[c];
+            off = vor_dot(d, contact.normal);
             if (vor_dot(d, d) - off * off > BESIDE * BESIDE * onto->gap * onto->gap &&
                 off * off < vor_dot(d, d) / 2)
                 side->beside++;
@@ -340,7 +338,7 @@ static double firmness(double direction[3], const double m[6][6], int at)
 static void find_free(struct vor_align_fit *fit, const struct vor_align_fit_of *of,
                       const struct side *side, double within)
 {
-    struct vor_knn_last last = {.k = 0};
+    struct nearest nearest = {.from = of->cloud, .onto = of->reference};
     double middle[3], radius, m[6][6] = {{0}}, along[6] = {0}, grow = 0, n = (double)side->on;
 
     for (int c = 0; c < 3; c++)
@@ -348,14 +346,9 @@ static void find_free(struct vor_align_fit *fit, const struct vor_align_fit_of *
     radius = sqrt(side->x2 / n - vor_dot(middle, middle));
     for (size_t i = 0; i < of->cloud->n; i += of->every) {
         struct contact contact;
-        double normal[3], row[6], g;
-        float x[3], d2;
-        uint32_t at;
+        double row[6], g;
 
-        move_sample(of->cloud, i, &fit->pose, fit->flip, contact.x, normal);
-        vor_to_floats(x, contact.x);
-        vor_knn_search_next(of->reference->knn, &last, x, 1, &at, &d2);
-        if (!find_contact(&contact, of->reference, at, normal, within))
+        if (!meets(&contact, &nearest, i, fit, within))
             continue;
         for (int c = 0; c < 3; c++)
             contact.x[c] = (contact.x[c] - middle[c]) / radius;
@@ -465,7 +458,7 @@ static double add_points(struct equations *eq, const struct vor_pose *pose,
     const struct vor_align_points *cloud = of->points[0], *onto = of->points[1];
     struct vor_knn_last last = {.k = 0};
     struct histogram h = {.most = within};
-    size_t stride = 1 + cloud->n / STEPPED, all = 0;
+    size_t stride = 1 + cloud->n / LOOKED_AT, all = 0;
     double share;
 
     for (size_t i = of->first * stride; i < cloud->n; i += of->every * stride, all++) {
@@ -479,7 +472,7 @@ static double add_points(struct equations *eq, const struct vor_pose *pose,
         vor_to_floats(x, point.x);
         vor_knn_search_next(onto->knn, &last, x, 1, &at, &d2);
         met = meet(&point, onto, at);
-        if (met.cosine < FACING || fabs(met.off) >= within ||
+        if (met.cosine < VOR_ALIGN_ALIKE || fabs(met.off) >= within ||
             !is_within((double)d2, farther, (double)onto->plane[at].reach))
             continue;
         contact.off = met.off;
@@ -492,17 +485,17 @@ static double add_points(struct equations *eq, const struct vor_pose *pose,
     share = of->overlap * (double)all;
     if (of->overlap > 0 && h.all > share)
         return 1.5 * ranked(&h, share);
-    return SETTLING * ranked(&h, h.all / 2.0);
+    return WIDEST * ranked(&h, h.all / 2.0);
 }
 
 void vor_align_settle(struct vor_pose *pose, const struct vor_align_fit_of *of)
 {
     double reach = of->points[1]->reach, within = WIDEST * reach;
 
-    for (int k = 0; k < SETTLED; k++) {
+    for (int k = 0; k < FEW_STEPS; k++) {
         struct equations eq = {.weight = 0};
 
-        within = add_points(&eq, pose, of, within, fmax(1, WIDEST - k / NARROWED));
+        within = add_points(&eq, pose, of, within, fmax(1, WIDEST - k / WIDEST));
         within = fmax(STILL * reach, fmin(WIDEST * reach, within));
         (void)step(pose, &eq, of->scales);
     }
@@ -533,8 +526,8 @@ static int lies_on(const struct meeting *met, const struct vor_align_plane *plan
 {
     double within = fmax(NOISES * fmax(rough, (double)plane->rough), THICK * (double)plane->reach);
 
-    return met->cosine > FACING && fabs(met->off) < within &&
-           is_within(d2, FARTHEST, (double)plane->reach);
+    return met->cosine > VOR_ALIGN_ALIKE && fabs(met->off) < within &&
+           is_within(d2, BESIDE, (double)plane->reach);
 }
 
 static void weigh_side(struct found *found, const struct vor_align_points *from,
@@ -544,7 +537,7 @@ static void weigh_side(struct found *found, const struct vor_align_points *from,
 
     memset(found, 0, sizeof *found);
     found->off.most = found->own[0].most = found->own[1].most = onto->reach;
-    for (size_t i = 0; i < from->n; i += 1 + from->n / WEIGHED) {
+    for (size_t i = 0; i < from->n; i += 1 + from->n / LOOKED_AT) {
         struct moved point = move_point(from, i, pose);
         const struct vor_align_plane *plane;
         struct meeting met;
@@ -571,8 +564,8 @@ static void weigh_side(struct found *found, const struct vor_align_points *from,
         reach = (double)plane->reach; /* of the nearest */
         found->all++;
         found->on += on != 0;
-        found->near += is_within((double)d2[0], FARTHEST, fmax(reach, point.reach)) != 0;
-        found->hover += !on && !plane->border && is_within(met.beside2, ABOVE, reach) &&
+        found->near += is_within((double)d2[0], BESIDE, fmax(reach, point.reach)) != 0;
+        found->hover += !on && !plane->border && is_within(met.beside2, 1, reach) &&
                         fabs(met.off) < HIGHEST * onto->reach;
     }
 }

@@ -25,9 +25,6 @@ enum {
 /* Cells for each reach of a grid. */
 #define CELLS 2.5
 
-/* Cosine of normals that count as alike. */
-#define ALIKE 0.6
-
 /* Least length of the sum of a pair's normals, seen across the pair, for it to say how it lies. */
 #define SLANT 0.1
 
@@ -283,7 +280,7 @@ static double score(const struct match *match, const struct vor_pose *pose, int 
             continue;
         vor_pose_turn(pose, few->normal[i], normal);
         vor_to_doubles(n, &reference->normal[3 * (size_t)at]);
-        if (!(sign * vor_dot(n, normal) > ALIKE))
+        if (!(sign * vor_dot(n, normal) > VOR_ALIGN_ALIKE))
             continue;
         off = 0;
         for (int c = 0; c < 3; c++)

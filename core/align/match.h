@@ -54,6 +54,9 @@ struct vor_align_candidate {
 
 enum { VOR_ALIGN_CANDIDATES = 48 };
 
+/** Cosine of normals that count as alike. */
+#define VOR_ALIGN_ALIKE 0.6
+
 /** Finds up to VOR_ALIGN_CANDIDATES poses, the best first, no two alike.
  *
  *  @param[in] both  the normals of the cloud may face the other way
