@@ -243,7 +243,7 @@ VOR_CLONES void vor_surface_fit_weighted(struct vor_surface *out, const float *n
     out->spacing = 0;
 }
 
-static double quadric(const double c[6], double u, double v, double gradient[2])
+VOR_INLINE double quadric(const double c[6], double u, double v, double gradient[2])
 {
     gradient[0] = c[1] + 2 * c[3] * u + c[4] * v;
     gradient[1] = c[2] + c[4] * u + 2 * c[5] * v;
@@ -270,6 +270,33 @@ double vor_surface_height(const struct vor_surface *surface, double u, double v,
     double own[2];
 
     return height_at(surface, u, v, gradient != NULL ? gradient : own);
+}
+
+VOR_CLONES void vor_surface_feet(const struct vor_surface *surface, const float *near, unsigned k,
+                                 double *restrict way)
+{
+    const struct vor_surface s = *surface;
+
+    for (unsigned j = 0; j < k; j++) {
+        double x = (double)near[3 * j] - s.origin[0], y = (double)near[3 * j + 1] - s.origin[1];
+        double z = (double)near[3 * j + 2] - s.origin[2];
+        double u = s.axis[0][0] * x + s.axis[0][1] * y + s.axis[0][2] * z;
+        double v = s.axis[1][0] * x + s.axis[1][1] * y + s.axis[1][2] * z;
+        double w = s.axis[2][0] * x + s.axis[2][1] * y + s.axis[2][2] * z;
+        double du = u - s.center[0], dv = v - s.center[1], d2 = du * du + dv * dv;
+        double beyond = 1 - s.reach / sqrt(d2), gradient[2], off, step; /* 0: within */
+
+        beyond = beyond > 0 ? beyond : 0;
+        du *= beyond;
+        dv *= beyond;
+        off = quadric(s.c, u - du, v - dv, gradient);
+        off = w - (off + gradient[0] * du + gradient[1] * dv);
+        step = off / (1 + gradient[0] * gradient[0] + gradient[1] * gradient[1]);
+        for (int c = 0; c < 3; c++)
+            way[(size_t)c * k + j] =
+                step * (gradient[0] * s.axis[0][c] + gradient[1] * s.axis[1][c] - s.axis[2][c]);
+        way[(size_t)3 * k + j] = off * step;
+    }
 }
 
 void vor_surface_to_local(const struct vor_surface *surface, const double x[3], double local[3])

@@ -103,6 +103,11 @@ void vor_surface_fit_weighted(struct vor_surface *out, const float *near, const 
 double vor_surface_height(const struct vor_surface *surface, double u, double v,
                           double gradient[2]);
 
+/** Ways of k points to their feet on a surface, to first order: a row of k for each axis, and one
+ * of the squares of their lengths. kind is not NONE. O(k). */
+void vor_surface_feet(const struct vor_surface *surface, const float *near, unsigned k,
+                      double *restrict way);
+
 /** Transforms world coordinates into local ones, and back. O(1). */
 void vor_surface_to_local(const struct vor_surface *surface, const double x[3], double local[3]);
 void vor_surface_to_world(const struct vor_surface *surface, const double local[3], double x[3]);

@@ -56,8 +56,10 @@ struct fit {
     double rounding; /* variance of rounding across it */
     double expected; /* variance of a further point about it */
     double error;    /* variance of what it says, over that of rounding */
+    double share;    /* of a way that rounding explains */
+    double total;    /* of the weights */
     float weight[WIDE];
-    double by[WIDE][3]; /* how it would move each */
+    double by[4 * WIDE]; /* vor_surface_feet */
 };
 
 /* Sets the weights (1 - d^2 / d_k^2)^3, for each point that was rounded to a place. Returns the sum
@@ -75,6 +77,7 @@ static double weigh(struct fit *fit, const struct hood *hood)
         sum += weight;
         squares += weight * weight;
     }
+    fit->total = sum;
     return squares / (sum * sum);
 }
 
@@ -82,22 +85,12 @@ static double weigh(struct fit *fit, const struct hood *hood)
  * their distances from the surface. */
 static double find_feet(struct fit *fit, const struct vor_surface *surface, const struct hood *hood)
 {
-    double sum = 0, total = 0;
+    double sum = 0;
 
-    for (unsigned j = 0; j < fit->k; j++) {
-        double x[3], local[3], gradient[2], off, step;
-
-        vor_to_doubles(x, &hood->near[3 * j]);
-        vor_surface_to_local(surface, x, local);
-        off = local[2] - vor_surface_height(surface, local[0], local[1], gradient);
-        step = off / (1 + gradient[0] * gradient[0] + gradient[1] * gradient[1]);
-        for (int c = 0; c < 3; c++)
-            fit->by[j][c] = step * (gradient[0] * surface->axis[0][c] +
-                                    gradient[1] * surface->axis[1][c] - surface->axis[2][c]);
-        sum += (double)fit->weight[j] * off * step;
-        total += (double)fit->weight[j];
-    }
-    return sum / total;
+    vor_surface_feet(surface, hood->near, fit->k, fit->by);
+    for (unsigned j = 0; j < fit->k; j++)
+        sum += (double)fit->weight[j] * fit->by[3 * fit->k + j];
+    return sum / fit->total;
 }
 
 /* The variance of rounding along the surface's normal: uniform in the cell, but along an axis that
@@ -106,40 +99,39 @@ static double find_feet(struct fit *fit, const struct vor_surface *surface, cons
 static double expect_rounding(const struct fit *fit, const struct vor_surface *surface,
                               const struct hood *hood, const double cell[3])
 {
-    double sum = 0;
+    double mean[3] = {0}, square[3] = {0}, sum = 0;
 
-    for (int c = 0; c < 3; c++) {
-        double total = 0, mean = 0, square = 0, along = surface->axis[2][c];
-
-        for (unsigned j = 0; j < fit->k; j++) {
-            double weight = (double)fit->weight[j];
+    for (unsigned j = 0; j < fit->k; j++)
+        for (size_t c = 0; c < 3; c++) {
             double foot =
-                (double)hood->near[3 * j + (size_t)c] - surface->origin[c] + fit->by[j][c];
+                (double)hood->near[3 * j + c] - surface->origin[c] + fit->by[c * fit->k + j];
+            double weighed = (double)fit->weight[j] * foot;
 
-            total += weight;
-            mean += weight * foot;
-            square += weight * foot * foot;
+            mean[c] += weighed;
+            square[c] += weighed * foot;
         }
-        mean /= total;
-        sum += along * along * fmin(cell[c] * cell[c] / 12, fmax(square / total - mean * mean, 0));
+    for (size_t c = 0; c < 3; c++) {
+        double along = surface->axis[2][c], middle = mean[c] / fit->total;
+        double variance = fmax(square[c] / fit->total - middle * middle, 0);
+
+        sum += along * along * fmin(cell[c] * cell[c] / 12, variance);
     }
     return sum;
 }
 
-/* Shortens a way to what rounding explains of it: a share, and at most the way from the middle of a
- * cell to the farthest plane across the way that touches the cell. */
-static void shorten(double by[3], double share, const double cell[3])
+/* What rounding explains of the way of neighbour j: a share, and at most the way from the middle of
+ * a cell to the farthest plane across the way that touches the cell. */
+static double explain(const struct fit *fit, unsigned j, const double cell[3])
 {
     double square = 0, most = 0;
 
-    for (int c = 0; c < 3; c++) {
-        square += by[c] * by[c];
-        most += fabs(by[c]) * cell[c] / 2;
+    for (size_t c = 0; c < 3; c++) {
+        double by = fit->by[c * fit->k + j];
+
+        square += by * by;
+        most += fabs(by) * cell[c] / 2;
     }
-    if (square > most)
-        share *= most / square;
-    for (int c = 0; c < 3; c++)
-        by[c] *= share;
+    return square > most ? fit->share * (most / square) : fit->share;
 }
 
 /* Fits to the k nearest of a point whose lattice is known. most: of the variance of rounding. */
@@ -147,7 +139,7 @@ static void make_fit(struct fit *fit, const struct hood *hood, unsigned k, const
                      double most)
 {
     struct vor_surface surface;
-    double taken, variance, share;
+    double taken, variance;
 
     fit->k = k;
     fit->error = fit->expected = INFINITY;
@@ -159,11 +151,9 @@ static void make_fit(struct fit *fit, const struct hood *hood, unsigned k, const
         return;
     variance = find_feet(fit, &surface, hood) / (1 - taken);
     fit->rounding = fmin(most, expect_rounding(fit, &surface, hood, cell));
-    share = variance > fit->rounding ? fit->rounding / variance : 1;
-    fit->error = 1 - share + taken;
+    fit->share = variance > fit->rounding ? fit->rounding / variance : 1;
+    fit->error = 1 - fit->share + taken;
     fit->expected = variance * (1 + taken);
-    for (unsigned j = 0; j < k; j++)
-        shorten(fit->by[j], share, cell);
 }
 
 static const double *cell_at(const struct restore *restore, size_t i)
@@ -172,17 +162,19 @@ static const double *cell_at(const struct restore *restore, size_t i)
 }
 
 /* Tells the neighbours what a fit says of them. */
-static void vote(struct restore *restore, const struct fit *fit, const struct hood *hood)
+static void vote(struct restore *restore, const struct fit *fit, const struct hood *hood,
+                 const double own[3])
 {
     for (unsigned j = 0; j < fit->k; j++) {
         struct votes *votes = &restore->votes[hood->index[j]];
         const double *cell = cell_at(restore, hood->index[j]);
         double weight = (double)(fit->weight[j] / hood->count[j]) / (fit->error * STEP);
+        double share = explain(fit, j, own);
 
-        for (int c = 0; c < 3; c++) {
-            double by = cell[c] > 0 ? fit->by[j][c] / cell[c] : 0;
+        for (size_t c = 0; c < 3; c++) {
+            double by = cell[c] > 0 ? fit->by[c * fit->k + j] * share / cell[c] : 0;
 
-            by = weight * fmax(-0.5, fmin(0.5, by));
+            by = weight * (by < -0.5 ? -0.5 : by > 0.5 ? 0.5 : by);
             atomic_fetch_add_explicit(&votes->by[c], llrint(by), memory_order_relaxed);
         }
         atomic_fetch_add_explicit(&votes->weight, llrint(weight), memory_order_relaxed);
@@ -230,7 +222,7 @@ static void vote_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
                 (float)atomic_load_explicit(&restore->count[hood.index[j]], memory_order_relaxed);
         fit = choose_fit(fits, &hood, cell);
         if (isfinite(fit->error))
-            vote(restore, fit, &hood);
+            vote(restore, fit, &hood, cell);
     }
 }
 

@@ -93,7 +93,7 @@ vor_status vor_uniformity_measure(struct vor_uniformity *out, const float *xyz, 
                                   const struct vor_run *run, struct vor_error *err)
 {
     struct vor_knn *knn = NULL;
-    vor_status status = vor_knn_build(&knn, xyz, n, run->memory, err);
+    vor_status status = vor_knn_build_along(&knn, xyz, n, run, err);
 
     VOR_THEN(status, vor_uniformity_indexed(out, xyz, n, knn, run, err));
     vor_knn_free(knn);

@@ -240,6 +240,35 @@ VT_TEST_LOOP(beyond_its_reach_a_quadric_goes_on_straight_without_a_kink, SEEDS)
     }
 }
 
+/* The slow twin: one foot at a time, by the height and its gradient. Some are beyond the reach, one
+ * is the center. */
+VT_TEST_LOOP(feet_of_many_points_are_those_of_each, SEEDS)
+{
+    float near[3 * K], wide[3 * K];
+    double way[4 * K];
+    struct vor_surface s;
+
+    sample_quadric(near, (uint64_t)_i, 0.25);
+    vor_surface_fit(&s, near, K);
+    for (size_t k = 0; k < sizeof near / sizeof *near; k++)
+        wide[k] = (float)(k % 2 ? 3 : 1) * near[k];
+    vor_to_floats(wide, s.origin);
+    vor_surface_feet(&s, wide, K, way);
+    for (size_t j = 0; j < K; j++) {
+        double x[3], l[3], g[2], step, off;
+
+        vor_to_doubles(x, &wide[3 * j]);
+        vor_surface_to_local(&s, x, l);
+        off = l[2] - vor_surface_height(&s, l[0], l[1], g);
+        step = off / (1 + g[0] * g[0] + g[1] * g[1]);
+        for (size_t c = 0; c < 3; c++)
+            ck_assert_double_eq_tol(
+                way[c * K + j], step * (g[0] * s.axis[0][c] + g[1] * s.axis[1][c] - s.axis[2][c]),
+                1e-13);
+        ck_assert_double_eq_tol(way[3 * K + j], off * step, 1e-13);
+    }
+}
+
 static double gap2(const double a[3], const double b[3])
 {
     double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
