@@ -1,9 +1,14 @@
 #include "core/geom/implicit.h"
 
 #include "core/base/linalg.h"
-#include "core/geom/layers.h"
 
 enum { TERMS = VOR_IMPLICIT_TERMS };
+
+/* Mean square off the quadric over that off one height, below which there are two faces. Taken of
+ * 12,000 points with noise of 0.3 spacings at 0.04 / 0.1 / 0.25: 3 / 190 / 4,000 (split in two,
+ * noise has 0.36); at 0.0064 half of an ellipsoid one spacing thick with noise of 0.05 faces
+ * inward. */
+#define NEARER2 0.04
 
 /* x, y, z, their squares and products, and the gradients of these. */
 static void set_terms(double term[TERMS], double gradient[3][TERMS], const double x[3])
@@ -133,10 +138,8 @@ int vor_implicit_fit(struct vor_implicit *out, const float *near, unsigned n, co
         add_point(&sums, at);
     }
     least = find_least(fit.c, &sums);
-    fit.off2 = least * fit.radius * fit.radius;
-    if (least < 0 ||
-        fit.off2 * (n - VOR_QUADRIC_TERMS) >
-            VOR_LAYERS_POSSIBLE2 * one.off2 * (n - VOR_IMPLICIT_TERMS) ||
+    least *= fit.radius * fit.radius / (n - VOR_IMPLICIT_TERMS);
+    if (!(least >= 0 && least * (n - VOR_QUADRIC_TERMS) < NEARER2 * one.off2) ||
         !faces_both(&fit, near, n, one.axis[2]))
         return 0;
     *out = fit;

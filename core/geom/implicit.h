@@ -21,7 +21,6 @@ enum { VOR_IMPLICIT_POINTS = 2 * VOR_NEIGHBORS_FEWEST, VOR_IMPLICIT_TERMS = 9 };
 struct vor_implicit {
     double origin[3], radius;
     double c[VOR_IMPLICIT_TERMS];
-    double off2; /**< mean square off it, as its gradient says, in the unit of the points */
 };
 
 /** Fits to n points, which count the less the farther they are from x, where they lie far nearer to

@@ -11,8 +11,8 @@
 enum vor_back_at {
     VOR_BACK_NOT,
     VOR_BACK,       /**< the surface bends back on itself there */
-    VOR_BACK_BESIDE /**< it does beside it, where no quadratic is fitted: its normal may be one
-                         between both faces */
+    VOR_BACK_BESIDE /**< it does beside it, where neither a quadratic nor one height is fitted: its
+                         normal may be one between both faces */
 };
 
 /** Points of which it is told where that is. */
@@ -20,10 +20,8 @@ struct vor_back {
     const struct vor_domain *on;
     const struct vor_graph *graph; /**< of those */
     float *normal;                 /**< n x 3 */
+    const float *rough;            /**< n: how far, in spacings, a point is off one height */
     unsigned char *at;             /**< n: an enum vor_back_at */
-    float *rough;  /**< n: how far, in spacings, a point is off what was fitted to it; of
-                        VOR_BACK the share of those around that contradict its fit */
-    size_t points; /**< how many are VOR_BACK */
 };
 
 /** Fits to the domain's points nearest to x.
@@ -36,29 +34,30 @@ int vor_back_fit(struct vor_implicit *out, const struct vor_domain *domain, cons
 /** Cosine between a normal at x and the quadratic's. O(1). */
 double vor_back_along(const struct vor_implicit *implicit, const float x[3], const float normal[3]);
 
-/** Fits to the points nearest to point i and takes its normal from there. Returns whether it did.
- */
-int vor_back_take(const struct vor_back *back, size_t i);
-
-/** Takes to VOR_BACK the points that have such in their lists and can be fitted likewise, with
- * their normals, in at most so many rounds; those that cannot are VOR_BACK_BESIDE.
+/** Finds the points that are VOR_BACK and gives them the normals of their fits: those of which
+ *  most neighbours can be fitted likewise, as all along a rim, while at corners, across gaps and in
+ *  noise single ones can; and, in so many rounds, those beside such that can be.
+ *
+ *  @param[in,out] back  `at` is not VOR_BACK_NOT where a fit is to be tried
  *
  *  @retval VOR_E_NOMEM n bytes do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
- *  O(n most), and a fit for each that is beside one, on the run's pool. The same for any number of
+ *  O(n most), and two fits for each that is found, on the run's pool. The same for any number of
  *  threads. */
-VOR_NODISCARD vor_status vor_back_grow(struct vor_back *back, unsigned rounds,
+VOR_NODISCARD vor_status vor_back_find(struct vor_back *back, unsigned rounds,
                                        const struct vor_run *run, struct vor_error *err);
 
-/** Sets the edges of the points that are VOR_BACK to what their fits say, the dearer the more of
- * those around contradict: of a fit that is wrong most do.
+/** Sets the edges of the points that are VOR_BACK to what their fits say. Where the fits of more
+ * than one point around contradict, a point is VOR_BACK_BESIDE from then on.
  *
  *  @param[in,out] edge  as of vor_span_make
  *
+ *  @retval VOR_E_NOMEM n bytes do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
- *  O(points most^2), on the run's pool. The same for any number of threads. */
+ *  O(n most^2), and a fit for each that is VOR_BACK, on the run's pool. The same for any number of
+ *  threads. */
 VOR_NODISCARD vor_status vor_back_edges(struct vor_back *back, unsigned char *edge,
                                         const struct vor_run *run, struct vor_error *err);
 

@@ -16,24 +16,22 @@
 
 enum {
     BLOCK = 256, /* points of one task */
-    /* Rounds in which neighbours vote on single points, and those beside a rim are fitted as it is.
-     * At 0 / 3: of armadillo (third draw) 27 / 19 points are wrong; of a blade's 10,000 29 / 0. */
+    /* Rounds in which neighbours vote on single points; and in one more those beside a rim are
+     * fitted as it is. At 0 / 3: of armadillo (third draw) 27 / 19 points are wrong. With 3 / 4 of
+     * those of a rim, of a blade's 10,000 11 / 8. */
     VOTES = 3,
     /* Points that make a component of its own: twice what a list has. Without: nine points of
      * armadillo (fifth draw) that no list has are wrong. */
     SMALL = 2 * VOR_ADJACENT
 };
 
-/* Weight of an edge along a normal, over that of one between normals at right angles. At 0 / 1 /
- * 2: armadillo 75, 14, 15 / 30, 16, 15 / 31, 16, 15; fandisk 6569 / 0 / 0. */
-#define STEEP 1.0
 /* Weight below which an edge is sure, of the largest one. Edges that are sure and yet join
  * different sides, over the root of the number of points, at 0.03 / 0.05 / 0.1: two Moebius bands
  * 17 and 6.5 at each; armadillo 0 / 0.04 / 0.19, two armadillos that intersect 0.65 / 2.3 / 4.5. */
 #define SURE 0.03
-/* Times the root of the number of points: more such edges than that make a surface one-sided, and
- * so many points a rim. They cross a seam, which is as long as the surface is wide. Measured:
- * above; and the cow, whose tail touches its body, has 1.1 to 2.0, which is no seam. */
+/* Times the root of the number of points: more such edges than that make a surface one-sided. They
+ * cross a seam, which is as long as the surface is wide. Measured: above; and the cow, whose tail
+ * touches its body, has 1.1 to 2.0, which is no seam. */
 #define SEAM 3.0
 /* Flux over the sum of the distances from the middle, below which a component has no inside, over
  * the length of the mean normal: that is 0 where a surface is closed. Measured, flux and mean
@@ -61,8 +59,7 @@ enum {
 enum shun {
     SHUN_NOTHING,
     SHUN_APART, /* that the planes of their ends lie apart: two sheets */
-    SHUN_ROUGH, /* that an end is off the surface fitted to it */
-    SHUN_BACK   /* the same, and edges are by `back` from here on */
+    SHUN_ROUGH  /* that an end is off one height; `back` says nothing */
 };
 
 /* The points to orient and what is found of them. */
@@ -77,7 +74,6 @@ struct orient {
     float *rough;         /* how far, in spacings, the points are off the surface fitted to them */
     struct vor_back back; /* where the surface bends back on itself */
     enum shun shun;
-    int bends; /* edges there are by `back` */
     int moved; /* signs spread anew were others than those before */
     struct vor_span span;
 };
@@ -148,9 +144,7 @@ static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
         vor_to_doubles(normal, &orient->graph->normal[3 * i]);
         orient->rough[i] =
             surface.spacing > 0 ? (float)(sqrt(surface.off2) / surface.spacing) : 1.f;
-        orient->back.at[i] = vor_layers_possible(&surface) && vor_back_take(&orient->back, i);
-        if (orient->back.at[i])
-            continue;
+        orient->back.at[i] = vor_layers_possible(&surface) ? VOR_BACK : VOR_BACK_NOT;
         if (surface.kind != VOR_SURFACE_NONE) {
             vor_to_doubles(x, &orient->on->xyz[3 * i]);
             vor_surface_to_local(&surface, x, local);
@@ -160,7 +154,9 @@ static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
     }
 }
 
-/* The byte of vor_span_make for the edge from i to j. */
+/* The byte of vor_span_make for the edge from i to j. One along a normal weighs as much as one
+ * between normals at right angles; at 0 / 1 / 2 of that: armadillo 75, 14, 15 / 30, 16, 15 / 31,
+ * 16, 15; fandisk 6569 / 0 / 0. */
 static unsigned char edge_of(const struct orient *orient, size_t i, size_t j)
 {
     double x[3], y[3], m[3], n[3], along[3], length2, a, b, mirrored, steep, weight, more = 0;
@@ -177,13 +173,14 @@ static unsigned char edge_of(const struct orient *orient, size_t i, size_t j)
     /* m - 2 (m along) along / length2 is m, mirrored at the plane midway. */
     mirrored = vor_dot(m, n) - 2 * a * b / length2;
     steep = fmax(a * a, b * b) / length2;
-    weight = fmax(0, 1 - fabs(mirrored) + STEEP * steep);
-    if (orient->shun >= SHUN_ROUGH)
+    weight = fmax(0, 1 - fabs(mirrored) + steep);
+    if (orient->shun == SHUN_ROUGH)
         more = fmin(1, fmax((double)orient->rough[i], (double)orient->rough[j]));
+    else if (orient->back.at[i] == VOR_BACK_BESIDE || orient->back.at[j] == VOR_BACK_BESIDE)
+        more = 1;
     else if (orient->shun == SHUN_APART) /* 0 on an arc, and across an edge */
         more = (a * a + b * b + (mirrored < 0 ? -2 : 2) * a * b) / (4 * length2);
-    return vor_span_edge((weight + more) / (1 + STEEP + (orient->shun >= SHUN_ROUGH)),
-                         mirrored < 0);
+    return vor_span_edge((weight + more) / (2 + (orient->shun == SHUN_ROUGH)), mirrored < 0);
 }
 
 static void edge_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
@@ -192,19 +189,10 @@ static void edge_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
     const struct vor_graph *graph = orient->graph;
 
     for (size_t i = begin; i < end; i++)
-        for (unsigned a = 0; a < graph->count[i]; a++)
-            orient->edge[i * graph->most + a] =
-                edge_of(orient, i, graph->list[i * graph->most + a]);
-}
-
-static vor_status make_edges(struct orient *orient, const struct vor_run *run,
-                             struct vor_error *err)
-{
-    vor_status status = vor_run_for(run, orient->on->n, BLOCK, edge_block, orient, err);
-
-    if (orient->bends)
-        VOR_THEN(status, vor_back_edges(&orient->back, orient->edge, run, err));
-    return status;
+        if (orient->back.at[i] != VOR_BACK || orient->shun == SHUN_ROUGH)
+            for (unsigned a = 0; a < graph->count[i]; a++)
+                orient->edge[i * graph->most + a] =
+                    edge_of(orient, i, graph->list[i * graph->most + a]);
 }
 
 static void turn(struct orient *orient)
@@ -414,8 +402,6 @@ static int is_closed(const struct vor_winding_found *found)
 static int takes(enum shun shun, const struct vor_winding_found *was,
                  const struct vor_winding_found *now)
 {
-    if (shun == SHUN_BACK)
-        return is_closed(now) && now->apart <= was->apart;
     if (shun == SHUN_NOTHING)
         return is_closed(was) && now->apart < 2 * was->apart;
     return (shun == SHUN_APART || was->apart >= APART) && is_closed(now) &&
@@ -439,8 +425,6 @@ static vor_status try_anew(struct orient *orient, struct vor_winding_found *foun
 
         if (takes(orient->shun, &found[c], &anew.found[c]))
             orient->span.odd[i] = anew.span.odd[i];
-        else if (orient->shun == SHUN_BACK)
-            orient->back.at[i] = VOR_BACK_NOT;
     }
     for (size_t c = 0; c < orient->span.components && status == VOR_OK; c++) {
         orient->moved |=
@@ -461,10 +445,12 @@ static vor_status close_up(struct orient *orient, enum shun shun, struct vor_win
     vor_status status;
 
     orient->shun = shun;
-    status = make_edges(orient, run, err);
+    status = vor_run_for(run, orient->on->n, BLOCK, edge_block, orient, err);
     VOR_THEN(status, try_anew(orient, found, points, run, err));
+    if (shun == SHUN_ROUGH)
+        VOR_THEN(status, vor_back_edges(&orient->back, orient->edge, run, err));
     orient->shun = SHUN_NOTHING;
-    VOR_THEN(status, make_edges(orient, run, err));
+    VOR_THEN(status, vor_run_for(run, orient->on->n, BLOCK, edge_block, orient, err));
     return status;
 }
 
@@ -479,9 +465,6 @@ static vor_status mend(struct orient *orient, const struct vor_winding_points *p
     if (found == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu parts", components);
     status = vor_winding_find(found, &orient->span, points, run, err);
-    orient->bends = (double)orient->back.points > SEAM * sqrt((double)orient->on->n);
-    if (status == VOR_OK && orient->bends)
-        status = close_up(orient, SHUN_BACK, found, points, run, err);
     for (size_t c = 0; c < components && status == VOR_OK; c++)
         closed += is_closed(&found[c]);
     if (status == VOR_OK && closed > 0 &&
@@ -540,9 +523,10 @@ static vor_status fit_and_spread(struct vor_orientation *out, struct orient *ori
 
     orient->normal = out->normal;
     orient->back =
-        (struct vor_back){orient->on, orient->graph, out->normal, out->back, orient->rough, 0};
+        (struct vor_back){orient->on, orient->graph, out->normal, orient->rough, out->back};
     VOR_THEN(status, vor_run_for(run, n, BLOCK, normal_block, orient, err));
-    VOR_THEN(status, vor_back_grow(&orient->back, VOTES, run, err));
+    VOR_THEN(status, vor_back_find(&orient->back, VOTES + 1, run, err));
+    VOR_THEN(status, vor_back_edges(&orient->back, orient->edge, run, err));
     VOR_THEN(status, vor_run_for(run, n, BLOCK, edge_block, orient, err));
     VOR_THEN(status, spread(out, orient, run, err));
     VOR_FREE_ALL(run->memory, orient->rough, orient->edge);
