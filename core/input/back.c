@@ -2,8 +2,8 @@
 
 #include "core/base/linalg.h"
 #include "core/geom/layers.h"
-#include "core/geom/span.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { BLOCK = 256 }; /* points of one task */
@@ -171,4 +171,28 @@ vor_status vor_back_edges(struct vor_back *back, unsigned char *edge, const stru
     memcpy(back->at, work.found, n);
     vor_free(run->memory, work.found);
     return status;
+}
+
+vor_status vor_back_drop(size_t *dropped, struct vor_back *back, const struct vor_span *span,
+                         double wide, struct vor_error *err)
+{
+    uint32_t(*count)[2] = vor_calloc(span->memory, span->components, sizeof *count); /* all, bent */
+
+    *dropped = 0;
+    if (count == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu parts", span->components);
+    for (size_t i = 0; i < span->n; i++) {
+        count[span->component[i]][0]++;
+        count[span->component[i]][1] += back->at[i] == VOR_BACK;
+    }
+    for (size_t i = 0; i < span->n; i++) {
+        const uint32_t *of = count[span->component[i]];
+
+        if (back->at[i] != VOR_BACK_NOT && of[1] <= wide * sqrt(of[0])) {
+            back->at[i] = VOR_BACK_NOT;
+            ++*dropped;
+        }
+    }
+    vor_free(span->memory, count);
+    return VOR_OK;
 }

@@ -5,6 +5,7 @@
 
 #include "core/geom/graph.h"
 #include "core/geom/implicit.h"
+#include "core/geom/span.h"
 #include "core/input/domain.h"
 
 /** What is known of a point. */
@@ -60,5 +61,17 @@ VOR_NODISCARD vor_status vor_back_find(struct vor_back *back, unsigned rounds,
  *  threads. */
 VOR_NODISCARD vor_status vor_back_edges(struct vor_back *back, unsigned char *edge,
                                         const struct vor_run *run, struct vor_error *err);
+
+/** Makes the points of some components VOR_BACK_NOT: where no more are VOR_BACK than `wide` times
+ *  the root of all. A rim is as long as a surface is wide; an acute edge has some such points too.
+ *
+ *  @param[out] dropped  how many points that are
+ *
+ *  @retval VOR_E_NOMEM 8 bytes for each component do not fit
+ *
+ *  O(n). */
+VOR_NODISCARD vor_status vor_back_drop(size_t *dropped, struct vor_back *back,
+                                       const struct vor_span *span, double wide,
+                                       struct vor_error *err);
 
 #endif

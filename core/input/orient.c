@@ -29,9 +29,10 @@ enum {
  * different sides, over the root of the number of points, at 0.03 / 0.05 / 0.1: two Moebius bands
  * 17 and 6.5 at each; armadillo 0 / 0.04 / 0.19, two armadillos that intersect 0.65 / 2.3 / 4.5. */
 #define SURE 0.03
-/* Times the root of the number of points: more such edges than that make a surface one-sided. They
- * cross a seam, which is as long as the surface is wide. Measured: above; and the cow, whose tail
- * touches its body, has 1.1 to 2.0, which is no seam. */
+/* Times the root of the number of points: more such edges than that make a surface one-sided, and
+ * more points where it bends back a rim. They cross a seam, which is as long as the surface is
+ * wide. Measured: above; and the cow, whose tail touches its body, has 1.1 to 2.0, which is no
+ * seam. */
 #define SEAM 3.0
 /* Flux over the sum of the distances from the middle, below which a component has no inside, over
  * the length of the mean normal: that is 0 where a surface is closed. Measured, flux and mean
@@ -490,6 +491,7 @@ static vor_status spread(struct vor_orientation *out, struct orient *orient,
     struct vor_winding_points points = {orient->on->xyz, orient->normal, area, SMALL};
     const struct vor_flip_how how = {
         .doubt = OUTVOTE, .margin = AGREE, .closed = CLOSED, .apart = APART, .clean = APART / 4};
+    size_t dropped = 0;
     vor_status status;
 
     if (area == NULL)
@@ -498,6 +500,12 @@ static vor_status spread(struct vor_orientation *out, struct orient *orient,
         area[i] = (float)area_of(orient, i);
     orient->area = area;
     status = vor_span_make(&orient->span, orient->graph, orient->edge, 0, run, err);
+    VOR_THEN(status, vor_back_drop(&dropped, &orient->back, &orient->span, SEAM, err));
+    if (dropped > 0) { /* their edges are like all others */
+        vor_span_free(&orient->span);
+        VOR_THEN(status, vor_run_for(run, orient->on->n, BLOCK, edge_block, orient, err));
+        VOR_THEN(status, vor_span_make(&orient->span, orient->graph, orient->edge, 0, run, err));
+    }
     VOR_THEN(status, mend(orient, &points, run, err));
     if (status == VOR_OK)
         status =
