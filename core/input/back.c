@@ -189,7 +189,7 @@ vor_status vor_back_drop(size_t *dropped, struct vor_back *back, const struct vo
         const uint32_t *of = count[span->component[i]];
 
         if (back->at[i] != VOR_BACK_NOT && of[1] <= wide * sqrt(of[0])) {
-            back->at[i] = VOR_BACK_NOT;
+            back->at[i] = back->at[i] == VOR_BACK ? VOR_BACK_FEW : VOR_BACK_NOT;
             ++*dropped;
         }
     }

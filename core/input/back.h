@@ -12,6 +12,8 @@
 enum vor_back_at {
     VOR_BACK_NOT,
     VOR_BACK,       /**< the surface bends back on itself there */
+    VOR_BACK_FEW,   /**< likewise, but too few points do for a rim: normals are by a fit to both
+                         faces, edges are not */
     VOR_BACK_BESIDE /**< it does beside it, where neither a quadratic nor one height is fitted: its
                          normal may be one between both faces */
 };
@@ -62,10 +64,10 @@ VOR_NODISCARD vor_status vor_back_find(struct vor_back *back, unsigned rounds,
 VOR_NODISCARD vor_status vor_back_edges(struct vor_back *back, unsigned char *edge,
                                         const struct vor_run *run, struct vor_error *err);
 
-/** Makes the points of some components VOR_BACK_NOT: where no more are VOR_BACK than `wide` times
+/** Makes points VOR_BACK_FEW that are VOR_BACK, of components where no more are than `wide` times
  *  the root of all. A rim is as long as a surface is wide; an acute edge has some such points too.
  *
- *  @param[out] dropped  how many points that are
+ *  @param[out] dropped  how many points' edges are to be made again
  *
  *  @retval VOR_E_NOMEM 8 bytes for each component do not fit
  *

@@ -31,7 +31,8 @@ double vor_orientation_side(const struct vor_orientation *orientation,
 
     toward[0] = toward[1] = toward[2] = 0;
     vor_knn_search_next(on->knn, last, x, k, index, distance2);
-    if (orientation->back[index[0]] == VOR_BACK && vor_back_fit(&back, on, x)) {
+    if ((orientation->back[index[0]] == VOR_BACK || orientation->back[index[0]] == VOR_BACK_FEW) &&
+        vor_back_fit(&back, on, x)) {
         double agree = 0;
 
         for (unsigned j = 0; j < k; j++)
