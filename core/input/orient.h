@@ -23,27 +23,27 @@
  *  screw 209 and 2 face inward, of 5,426 on a block with thin walls 129 and 4.
  *  Departure: where a list has both faces of a thin part, as at the rim of a blade, one height fits
  *  neither: a quadratic in x, y and z does, whose gradient says which points face alike
- *  (input/back.h). Edges are by it wherever a strip of points has it, whatever else the cloud has;
- *  where that leaves a component open, signs are spread once without. Inward of 80,000 points where
- *  edges were by it for whole components or not at all, and so: ellipsoids 5,001 and 57, foils
- *  14,235 and 62, rounded plates 23 and 3; ellipsoids with noise of 0.05 spacings 36,328 and 981.
- * Departure: with noise, and where a surface is open, regions are turned that three
- * quarters of the edges around them contradict (geom/flip.h). Points on the wrong side, of clouds
- * with noise of 0.3 spacings, without and with it: a bore through a block 157 and 10 of 5,921 (294
- * and 0 of 12,695), a gear's tooth 53 and 8 of 3,230, of sheets above each other 97 and 3 of 7,282,
- * 408 and 2 of 6,219. Measured, of 30,000 points of white noise those whose normal leads into the
- * face they were drawn from, and in brackets those of which all faces within a spacing agree on it;
- * the others lie on blades and creases, where the fit is that of another face. Armadillo, ten
- * draws: 12 to 57 (0 in five, 1 to 35 on fingers in the others, 75 in all); igea and fandisk 1 (0);
- * torus and knots of tube 0.4, 0.2 and 0.12: 0. The cow, whose tail lies along its body, 400 to
- * 1,200, before 1,200 to 1,400. Departure: each connected component then faces away from its own
- * inside. A closed surface has more of its normals, by area, leading away from its middle than
- * towards it: the flux of x minus the middle through it is three times its volume. The same goes
- * for a dome. Where that flux is small against the sum of the normals, as on a terrain, the
- * component faces upward: the largest coordinate of the sum of its normals is made positive. A
- * point's area counts by the share of its neighbours that have it among theirs: five strays ten
- * radii from a sphere of 4,000 points had more than the sphere, which then faced inward. Departure:
- * a surface with one side only, such as a Moebius band, is counted. */
+ *  (input/back.h). Edges are by it wherever a strip of points has it, in components where as
+ *  many have as make a rim; where that leaves a component open, signs are spread once without.
+ * Inward of 80,000 points where edges were by it for whole components or not at all, and so:
+ * ellipsoids 5,001 and 57, foils 14,235 and 62, rounded plates 23 and 3; ellipsoids with noise of
+ * 0.05 spacings 36,328 and 981. Departure: with noise, and where a surface is open, regions are
+ * turned that three quarters of the edges around them contradict (geom/flip.h). Points on the wrong
+ * side, of clouds with noise of 0.3 spacings, without and with it: a bore through a block 157 and
+ * 10 of 5,921 (294 and 0 of 12,695), a gear's tooth 53 and 8 of 3,230, of sheets above each other
+ * 97 and 3 of 7,282, 408 and 2 of 6,219. Measured, of 30,000 points of white noise those whose
+ * normal leads into the face they were drawn from, and in brackets those of which all faces within
+ * a spacing agree on it; the others lie on blades and creases, where the fit is that of another
+ * face. Armadillo, ten draws: 12 to 57 (0 in five, 1 to 35 on fingers in the others, 75 in all);
+ * igea and fandisk 1 (0); torus and knots of tube 0.4, 0.2 and 0.12: 0. The cow, whose tail lies
+ * along its body, 400 to 1,200, before 1,200 to 1,400. Departure: each connected component then
+ * faces away from its own inside. A closed surface has more of its normals, by area, leading away
+ * from its middle than towards it: the flux of x minus the middle through it is three times its
+ * volume. The same goes for a dome. Where that flux is small against the sum of the normals, as on
+ * a terrain, the component faces upward: the largest coordinate of the sum of its normals is made
+ * positive. A point's area counts by the share of its neighbours that have it among theirs: five
+ * strays ten radii from a sphere of 4,000 points had more than the sphere, which then faced inward.
+ * Departure: a surface with one side only, such as a Moebius band, is counted. */
 #ifndef VOR_INPUT_ORIENT_H
 #define VOR_INPUT_ORIENT_H
 

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/base/linalg.h"
+
 enum { BLOCK = 256 }; /* points of one task */
 
 void vor_uniformity_from(struct vor_uniformity *out, const float *nearest, size_t n)
@@ -40,25 +42,33 @@ struct search {
     float *out;
     const float *queries;
     const struct vor_knn *knn;
+    const uint32_t *order; /* in which the queries are asked; NULL: as they stand */
     unsigned k;
 };
 
 static void search_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct search *search = ctx;
+    const uint32_t *order = search->order;
+    const float *queries = &search->queries[3 * begin];
+    float along[3 * BLOCK];
     uint32_t index[VOR_KTH_MAX * BLOCK];
     float distance2[VOR_KTH_MAX * BLOCK];
 
-    vor_knn_search(search->knn, &search->queries[3 * begin], end - begin, search->k, index,
-                   distance2);
+    if (order != NULL) {
+        vor_gather(along, search->queries, &order[begin], end - begin);
+        queries = along;
+    }
+    vor_knn_search(search->knn, queries, end - begin, search->k, index, distance2);
     for (size_t i = begin; i < end; i++)
-        search->out[i] = sqrtf(distance2[(i - begin + 1) * search->k - 1]);
+        search->out[order != NULL ? order[i] : i] =
+            sqrtf(distance2[(i - begin + 1) * search->k - 1]);
 }
 
 vor_status vor_kth_distances(float *out, const float *queries, size_t n, const struct vor_knn *knn,
                              unsigned k, const struct vor_run *run, struct vor_error *err)
 {
-    struct search search = {out, queries, knn, k};
+    struct search search = {out, queries, knn, NULL, k};
 
     return vor_run_for(run, n, BLOCK, search_block, &search, err);
 }
@@ -67,8 +77,11 @@ vor_status vor_nearest_distances(float *nearest, const float *xyz, size_t n,
                                  const struct vor_knn *knn, const struct vor_run *run,
                                  struct vor_error *err)
 {
-    if (n > 1) /* itself, or one it coincides with, comes first */
-        return vor_kth_distances(nearest, xyz, n, knn, 2, run, err);
+    /* a point itself, or one it coincides with, comes first */
+    struct search search = {nearest, xyz, knn, vor_knn_order(knn), 2};
+
+    if (n > 1)
+        return vor_run_for(run, n, BLOCK, search_block, &search, err);
     nearest[0] = 0;
     return VOR_OK;
 }
