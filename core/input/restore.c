@@ -46,8 +46,9 @@ struct restore {
 
 /* The neighbours of a point, nearest first. */
 struct hood {
-    uint32_t index[WIDE];
-    float near[3 * WIDE], distance2[WIDE], count[WIDE];
+    const uint32_t *index;
+    const float *distance2;
+    float near[3 * WIDE], count[WIDE];
 };
 
 /* A fit to the first k of them. */
@@ -199,23 +200,24 @@ static const struct fit *choose_fit(struct fit fits[2], const struct hood *hood,
     return fits[!best].expected < fits[best].expected ? &fits[!best] : &fits[best];
 }
 
-static void vote_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+/* Fits to points of the order whose lattice is known. */
+static void vote_around(struct restore *restore, const uint32_t *at, size_t count)
 {
-    struct restore *restore = ctx;
     const struct vor_domain *domain = &restore->domain;
-    struct vor_knn_last last = {.k = 0};
+    uint32_t index[VOR_KNN_NEAR_MAX * WIDE];
+    float query[3 * VOR_KNN_NEAR_MAX], distance2[VOR_KNN_NEAR_MAX * WIDE];
     struct fit fits[2];
     struct hood hood;
 
-    assert(domain->n >= VOR_DOMAIN_FEW); /* or there is no lattice */
-    for (size_t i = vor_blocks_of(begin, EACH) * EACH; i < end; i += EACH) {
-        const double *cell = cell_at(restore, i);
+    vor_gather(query, domain->xyz, at, count);
+    vor_knn_search_near(domain->knn, &(struct vor_knn_near){query, count, WIDE, NULL}, index,
+                        distance2);
+    for (size_t i = 0; i < count; i++) {
+        const double *cell = cell_at(restore, at[i]);
         const struct fit *fit;
 
-        if (!(cell[0] > 0))
-            continue;
-        vor_knn_search_next(domain->knn, &last, &domain->xyz[3 * i], WIDE, hood.index,
-                            hood.distance2);
+        hood.index = &index[i * WIDE];
+        hood.distance2 = &distance2[i * WIDE];
         vor_gather(hood.near, domain->xyz, hood.index, WIDE);
         for (size_t j = 0; j < WIDE; j++)
             hood.count[j] =
@@ -223,6 +225,23 @@ static void vote_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
         fit = choose_fit(fits, &hood, cell);
         if (isfinite(fit->error))
             vote(restore, fit, &hood, cell);
+    }
+}
+
+static void vote_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+{
+    struct restore *restore = ctx;
+    uint32_t at[VOR_KNN_NEAR_MAX];
+    size_t count = 0;
+
+    assert(restore->domain.n >= VOR_DOMAIN_FEW); /* or there is no lattice */
+    for (size_t i = vor_blocks_of(begin, EACH) * EACH; i < end; i += EACH) {
+        if (cell_at(restore, i)[0] > 0)
+            at[count++] = (uint32_t)i;
+        if (count == VOR_KNN_NEAR_MAX || (count > 0 && i + EACH >= end)) {
+            vote_around(restore, at, count);
+            count = 0;
+        }
     }
 }
 

@@ -88,9 +88,9 @@ void vor_knn_search_next(const struct vor_knn *knn, struct vor_knn_last *last, c
 
 /** vor_knn_search for queries that are all near each other, as successive points in Morton order
  *  are: one walk of the boxes finds the points around all of them. Where there are too many of
- * these, or FLANN is asked, each is searched for alone. Of points that are equally far, as on a
- * lattice, it takes the first ones in the index, where a search alone takes those it meets first.
- */
+ * these, halves of the queries are searched for; by FLANN each alone. Of points that are equally
+ * far, as on a lattice, it takes the first ones in the index, where a search alone takes those it
+ * meets first. */
 void vor_knn_search_near(const struct vor_knn *knn, const struct vor_knn_near *near,
                          uint32_t *index, float *distance2);
 

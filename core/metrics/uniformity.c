@@ -1,9 +1,9 @@
 #include "core/metrics/uniformity.h"
 
+#include "core/base/linalg.h"
+
 #include <math.h>
 #include <string.h>
-
-#include "core/base/linalg.h"
 
 enum { BLOCK = 256 }; /* points of one task */
 
@@ -42,46 +42,58 @@ struct search {
     float *out;
     const float *queries;
     const struct vor_knn *knn;
-    const uint32_t *order; /* in which the queries are asked; NULL: as they stand */
     unsigned k;
 };
 
 static void search_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct search *search = ctx;
-    const uint32_t *order = search->order;
-    const float *queries = &search->queries[3 * begin];
-    float along[3 * BLOCK];
     uint32_t index[VOR_KTH_MAX * BLOCK];
     float distance2[VOR_KTH_MAX * BLOCK];
 
-    if (order != NULL) {
-        vor_gather(along, search->queries, &order[begin], end - begin);
-        queries = along;
-    }
-    vor_knn_search(search->knn, queries, end - begin, search->k, index, distance2);
+    vor_knn_search(search->knn, &search->queries[3 * begin], end - begin, search->k, index,
+                   distance2);
     for (size_t i = begin; i < end; i++)
-        search->out[order != NULL ? order[i] : i] =
-            sqrtf(distance2[(i - begin + 1) * search->k - 1]);
+        search->out[i] = sqrtf(distance2[(i - begin + 1) * search->k - 1]);
 }
 
 vor_status vor_kth_distances(float *out, const float *queries, size_t n, const struct vor_knn *knn,
                              unsigned k, const struct vor_run *run, struct vor_error *err)
 {
-    struct search search = {out, queries, knn, NULL, k};
+    struct search search = {out, queries, knn, k};
 
     return vor_run_for(run, n, BLOCK, search_block, &search, err);
+}
+
+/* Goes along the index, so that those of one search are near each other. The nearest but one: each
+ * point, or one it coincides with, comes first. */
+static void nearest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+{
+    const struct search *search = ctx;
+    const uint32_t *order = vor_knn_order(search->knn);
+    uint32_t index[2 * VOR_KNN_NEAR_MAX], of[VOR_KNN_NEAR_MAX];
+    float query[3 * VOR_KNN_NEAR_MAX], distance2[2 * VOR_KNN_NEAR_MAX];
+    struct vor_knn_near near = {query, 0, 2, NULL};
+
+    for (size_t i = begin; i < end; i += near.count) {
+        near.count = end - i < VOR_KNN_NEAR_MAX ? end - i : VOR_KNN_NEAR_MAX;
+        for (size_t j = 0; j < near.count; j++)
+            of[j] = order != NULL ? order[i + j] : (uint32_t)(i + j);
+        vor_gather(query, search->queries, of, near.count);
+        vor_knn_search_near(search->knn, &near, index, distance2);
+        for (size_t j = 0; j < near.count; j++)
+            search->out[of[j]] = sqrtf(distance2[2 * j + 1]);
+    }
 }
 
 vor_status vor_nearest_distances(float *nearest, const float *xyz, size_t n,
                                  const struct vor_knn *knn, const struct vor_run *run,
                                  struct vor_error *err)
 {
-    /* a point itself, or one it coincides with, comes first */
-    struct search search = {nearest, xyz, knn, vor_knn_order(knn), 2};
+    struct search search = {nearest, xyz, knn, 2};
 
     if (n > 1)
-        return vor_run_for(run, n, BLOCK, search_block, &search, err);
+        return vor_run_for(run, n, BLOCK, nearest_block, &search, err);
     nearest[0] = 0;
     return VOR_OK;
 }
