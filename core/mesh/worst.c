@@ -21,9 +21,10 @@ enum { NUDGES = VOR_RELAX_STEPS, SWEEPS = 2 * VOR_RELAX_ROUNDS };
 
 /* How much worse a flip may make triangles before points are moved one by one: strains above 1 are
  * twice as much. With 2^5, the smallest angle of fandisk to 10,000 is 39.4 in the place of 45.1.
- * After the sweeps it is the third, the seventh and the 15th root of that: of flips that make them
- * better in the end, one in twenty has 2^2.6 and more after one sweep, 2^0.8 after two, of others
- * three in four. */
+ * Before the last step together it is its square: of bunny's flips that make them better in the
+ * end, one in 40 has more, of others half. After the sweeps it is the third, the seventh and the
+ * 15th root: of the former, one in twenty has 2^2.6 and more after one sweep, 2^0.8 after two, of
+ * the latter three in four. Points whose triangles are as much less bad than all stay. */
 enum { WORSE_MOST = 1 << 8 };
 
 /* A triangle and its strain. */
@@ -53,10 +54,10 @@ struct worst {
     size_t fixed;
     const struct vor_recall *how;
     unsigned char
-        *tried;      /* n: edges there were flipped in vain, and none near with success since */
-    struct bad *bad; /* a triangle each, `count` are set */
-    size_t count;
-    vor_status status; /* of what ran on the pool's thread */
+        *tried;         /* n: edges there were flipped in vain, and none near with success since */
+    struct bad *bad;    /* a triangle each, `count` are set */
+    size_t count, left; /* left: flips that may be tried */
+    vor_status status;  /* of what ran on the pool's thread */
     struct vor_error *err;
 };
 
@@ -71,13 +72,13 @@ static int worse_first(const void *a, const void *b)
 }
 
 /* How bad the triangles around point i are: eighth powers of how far their strains are above 1, in
- * sum. */
-static double badness_around(const struct worst *worst, uint32_t i)
+ * sum; where that is not less than `enough`, at least so much. */
+static double badness_around(const struct worst *worst, uint32_t i, double enough)
 {
     const struct vor_complex *complex = worst->complex;
     double sum = 0;
 
-    for (unsigned t = 0; t < complex->degree[i]; t++) {
+    for (unsigned t = 0; t < complex->degree[i] && sum < enough; t++) {
         uint32_t at = complex->around[(size_t)i * VOR_AROUND_MOST + t];
         double over =
             vor_triangle_strain(worst->seeds->xyz, &complex->triangle[3 * (size_t)at]) - 1;
@@ -165,7 +166,7 @@ static void search(const struct worst *worst, uint32_t i, const struct vor_surfa
 
     length = normals_of(worst, i, normal);
     vor_relax_axes(axis, worst->complex, seeds->xyz, i);
-    best = badness_around(worst, i);
+    best = badness_around(worst, i, INFINITY);
     for (int part = 1; part <= SMALLEST_PART && best > 0; part *= 2) {
         double step = VOR_RELAX_STEP_MAX * length / part;
         float from[3];
@@ -183,7 +184,7 @@ static void search(const struct worst *worst, uint32_t i, const struct vor_surfa
                     x[c] = (double)from[c] + step * (u * axis[0][c] + v * axis[1][c]);
                 vor_surface_put(surface, x);
                 vor_to_floats(at, x);
-                here = badness_around(worst, i);
+                here = badness_around(worst, i, best);
                 if (here < best && !has_turned(worst, i, normal))
                     best = here;
                 else
@@ -205,12 +206,12 @@ static void move(struct worst *worst, uint32_t i, unsigned worker)
     if (!is_movable(worst, i) ||
         vor_seeds_recall(seeds, scratch, i, worst->how) == VOR_SURFACE_NONE)
         return;
-    bad = badness_around(worst, i);
+    bad = badness_around(worst, i, INFINITY);
     search(worst, i, &scratch->onto);
     if (!(vor_distance2f(&seeds->xyz[3 * (size_t)i], kept.xyz) > 0))
         return;
     vor_sheet_put_one(worst->sheet, seeds, worst->how, scratch, i);
-    if (!(badness_around(worst, i) < (1 - VOR_ROUNDED) * bad) || (!hung && hangs(worst, i)))
+    if (!(badness_around(worst, i, bad) < (1 - VOR_ROUNDED) * bad) || (!hung && hangs(worst, i)))
         take_back(worst, i, &kept);
 }
 
@@ -270,7 +271,7 @@ static double badness_of(const struct worst *worst, const struct ring *ring)
     double sum = 0;
 
     for (unsigned k = 0; k < ring->n; k++)
-        sum += badness_around(worst, ring->point[k]);
+        sum += badness_around(worst, ring->point[k], INFINITY);
     return sum;
 }
 
@@ -310,11 +311,12 @@ static int settle(struct worst *worst, const struct ring *ring, const struct kep
     struct vor_scratch *scratch = &worst->seeds->scratch[worker];
     unsigned power = 1;
 
-    for (int step = 0; step < NUDGES; step++)
+    for (int left = NUDGES; left-- > 0;) {
         for (unsigned k = 0; k < ring->n; k++)
             nudge(worst, ring->point[k], worker);
-    if (!(badness_of(worst, ring) < WORSE_MOST * bad))
-        return 0;
+        if (!(badness_of(worst, ring) < WORSE_MOST * (left > 0 ? WORSE_MOST : 1) * bad))
+            return 0;
+    }
     for (unsigned k = 0; k < ring->n; k++) {
         uint32_t i = ring->point[k];
         int hung = hangs(worst, i);
@@ -326,10 +328,13 @@ static int settle(struct worst *worst, const struct ring *ring, const struct kep
             return 0;
     }
     for (int sweep = 0; sweep < SWEEPS; sweep++) {
-        if (!(vor_power(badness_of(worst, ring) / bad, power) < WORSE_MOST))
+        double now = badness_of(worst, ring);
+
+        if (!(vor_power(now / bad, power) < WORSE_MOST))
             return 0;
         for (unsigned k = 0; k < ring->n; k++)
-            move(worst, ring->point[k], worker);
+            if (WORSE_MOST * badness_around(worst, ring->point[k], now) > now)
+                move(worst, ring->point[k], worker);
         power += power + 1;
     }
     return badness_of(worst, ring) < (1 - VOR_ROUNDED) * bad;
@@ -355,8 +360,10 @@ static void try_flip(struct worst *worst, uint32_t a, uint32_t b, unsigned worke
     uint32_t third[2], back[2];
     double bad;
 
-    if (vor_complex_edge(complex, a, b, third) != 2 || !may_flip(worst, a, b, third))
+    if (worst->left == 0 || vor_complex_edge(complex, a, b, third) != 2 ||
+        !may_flip(worst, a, b, third))
         return;
+    worst->left--;
     add_around(&ring, complex, a);
     add_around(&ring, complex, b);
     add_around(&ring, complex, third[0]);
@@ -425,7 +432,9 @@ static void for_each(struct worst *worst, unsigned worker,
 static void improve_on_one(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
                            unsigned worker)
 {
-    for (int pass = 0; pass < 2 * VOR_RELAX_ROUNDS; pass++) {
+    const struct worst *worst = ctx;
+
+    for (int pass = 0; pass < 2 * VOR_RELAX_ROUNDS && worst->left > 0; pass++) {
         for_each(ctx, worker, move_at);
         for_each(ctx, worker, flip_at);
     }
@@ -439,6 +448,7 @@ vor_status vor_worst_improve(struct vor_complex *complex, struct vor_sheet *shee
     struct worst worst = {complex, sheet, seeds, fixed, how, .err = err};
     vor_status status = VOR_OK;
 
+    worst.left = seeds->n;
     worst.tried = vor_calloc(memory, seeds->n, 1);
     worst.bad = vor_malloc(memory, complex->count + 1, sizeof *worst.bad);
     if (worst.bad == NULL || worst.tried == NULL)

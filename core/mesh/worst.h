@@ -31,7 +31,9 @@
  *  @retval VOR_E_NOMEM  16 bytes a triangle and 1 a point do not fit
  *  @retval VOR_E_CANCELLED
  *
- *  O(n), and 5 ms a triangle that stays bad, on one thread. The same for any number of threads. */
+ *  O(n), and up to 5 ms a triangle that stays bad, on one thread. No more flips are tried than
+ * there are points, as most triangles may be bad: a helix of 5,000 points to 10,000, all flips /
+ * so: 40 / 6 s. The same for any number of threads. */
 VOR_NODISCARD vor_status vor_worst_improve(struct vor_complex *complex, struct vor_sheet *sheet,
                                            struct vor_seeds *seeds, size_t fixed,
                                            const struct vor_recall *how, struct vor_error *err);
