@@ -446,7 +446,8 @@ struct smooth {
 
 /* The neighbours of one point, nearest first, and a surface that weighs them. */
 struct hood {
-    float near[3 * VOR_NEIGHBORS_MAX], distance2[VOR_NEIGHBORS_MAX], weight[VOR_NEIGHBORS_MAX];
+    const float *distance2;
+    float near[3 * VOR_NEIGHBORS_MAX], weight[VOR_NEIGHBORS_MAX];
     struct vor_surface surface;
 };
 
@@ -483,17 +484,16 @@ static double excused(const struct smooth *smooth, const struct vor_surface *sur
     return EXCUSED * width * width / 12 * (1 - 6 / (COUNTED * k));
 }
 
-/* The foot of point i on the widest surface around it whose residual cells explain. Returns false
+/* The foot of a point on the widest surface around it whose residual cells explain. Returns false
  * when there is none. */
-static int foot_of(const struct smooth *smooth, size_t i, double foot[3])
+static int foot_of(const struct smooth *smooth, const uint32_t *index, const float *distance2,
+                   double foot[3])
 {
     struct hood hood;
     double local[3] = {0, 0, 0};
     unsigned k = smooth->k;
-    uint32_t index[VOR_NEIGHBORS_MAX];
 
-    vor_knn_search(smooth->domain->knn, &smooth->domain->xyz[3 * i], 1, smooth->k, index,
-                   hood.distance2);
+    hood.distance2 = distance2;
     vor_gather(hood.near, smooth->domain->xyz, index, smooth->k);
     while (k >= VOR_NEIGHBORS_FEWEST && fit(&hood, k) > excused(smooth, &hood.surface, k))
         k /= 2;
@@ -504,27 +504,42 @@ static int foot_of(const struct smooth *smooth, size_t i, double foot[3])
     return 1;
 }
 
+/* Moves point i towards its foot, within its cell. Returns whether it moves. */
+static int move(const struct smooth *smooth, size_t i, const double foot[3])
+{
+    const float *from = &smooth->domain->xyz[3 * i];
+    float *to = &smooth->xyz[3 * i];
+
+    for (int c = 0; c < 3; c++) {
+        double x = (double)from[c], room = INSIDE * smooth->lattice->cell[c];
+        float near = (float)fmax(-1, fmin(1, fmax(x - room, fmin(foot[c], x + room))));
+
+        if (fabs((double)near - x) <= room)
+            to[c] = near;
+    }
+    return to[0] != from[0] || to[1] != from[1] || to[2] != from[2];
+}
+
 static void smooth_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct smooth *smooth = ctx;
+    const struct vor_domain *domain = smooth->domain;
+    uint32_t index[VOR_KNN_NEAR_MAX * VOR_NEIGHBORS_MAX];
+    float distance2[VOR_KNN_NEAR_MAX * VOR_NEIGHBORS_MAX];
+    struct vor_knn_near near = {.k = smooth->k};
     size_t moved = 0;
 
-    for (size_t i = begin; i < end; i++) {
-        const float *from = &smooth->domain->xyz[3 * i];
-        float *to = &smooth->xyz[3 * i];
-        double foot[3];
+    memcpy(&smooth->xyz[3 * begin], &domain->xyz[3 * begin], 3 * (end - begin) * sizeof(float));
+    for (size_t i = begin; i < end; i += near.count) {
+        near.queries = &domain->xyz[3 * i];
+        near.count = end - i < VOR_KNN_NEAR_MAX ? end - i : VOR_KNN_NEAR_MAX;
+        vor_knn_search_near(domain->knn, &near, index, distance2);
+        for (size_t j = 0; j < near.count; j++) {
+            double foot[3];
 
-        memcpy(to, from, 3 * sizeof *to);
-        if (!foot_of(smooth, i, foot))
-            continue;
-        for (int c = 0; c < 3; c++) {
-            double x = (double)from[c], room = INSIDE * smooth->lattice->cell[c];
-            float near = (float)fmax(-1, fmin(1, fmax(x - room, fmin(foot[c], x + room))));
-
-            if (fabs((double)near - x) <= room)
-                to[c] = near;
+            if (foot_of(smooth, &index[j * near.k], &distance2[j * near.k], foot))
+                moved += (size_t)move(smooth, i + j, foot);
         }
-        moved += to[0] != from[0] || to[1] != from[1] || to[2] != from[2];
     }
     atomic_fetch_add_explicit(&smooth->moved, moved, memory_order_relaxed);
 }
