@@ -30,14 +30,20 @@ enum {
  * than 1 by what few points scatter. */
 #define OVER 1.55
 
+/* Numbers of one point that are added at once. Each sum is of the same terms in the same order as
+ * one by one. */
+enum { LANES = 4 };
+typedef double lanes __attribute__((vector_size(8 * LANES)));
+
 /* The points of a neighbourhood, in the frame of the layers. */
 struct stack {
-    unsigned k;
-    double x[VOR_NEIGHBORS_MAX][TERMS]; /* u, v, uu, uv, vv; lengths over the reach */
+    lanes low[VOR_NEIGHBORS_MAX], high[VOR_NEIGHBORS_MAX]; /* u, v, uu, uv; vv, w, 1, 0 */
+    double x[TERMS][VOR_NEIGHBORS_MAX]; /* u, v, uu, uv, vv; lengths over the reach */
     double w[VOR_NEIGHBORS_MAX];
     double square[TERMS * TERMS], xw[TERMS]; /* sums of x x^T, below the diagonal, and of x w */
     double height[VOR_NEIGHBORS_MAX];        /* of each point over the shared quadric */
     double sorted[VOR_NEIGHBORS_MAX];        /* the heights, ascending */
+    unsigned k;
 };
 
 static void terms(double x[TERMS], double u, double v)
@@ -55,68 +61,92 @@ static void gather(struct stack *out, const struct vor_surface *surface, const f
                    unsigned k, int plane)
 {
     double scale = 1 / surface->reach;
+    lanes low[TERMS] = {{0}}, high = {0}; /* sums of u, v, uu, uv by each; of vv, w, 1 by vv */
+    lanes by_w = {0};
 
     out->k = k;
     memset(out->sorted, 0, k * sizeof *out->sorted); /* gcc-analyzer cannot see that sort sets it */
-    memset(out->square, 0, sizeof out->square);
-    memset(out->xw, 0, sizeof out->xw);
     for (unsigned i = 0; i < k; i++) {
         double x[3] = {(double)near[3 * i], (double)near[3 * i + 1], (double)near[3 * i + 2]};
-        double local[3];
+        double local[3], at[TERMS];
 
         vor_surface_to_local(surface, x, local);
         out->w[i] = scale * local[2];
         out->height[i] = out->w[i];
         if (!plane)
             out->height[i] -= scale * vor_surface_height(surface, local[0], local[1], NULL);
-        terms(out->x[i], scale * (local[0] - surface->center[0]),
-              scale * (local[1] - surface->center[1]));
-        for (int t = 0; t < TERMS; t++) {
-            for (int s = 0; s <= t; s++)
-                out->square[TERMS * t + s] += out->x[i][t] * out->x[i][s];
-            out->xw[t] += out->x[i][t] * out->w[i];
-        }
+        terms(at, scale * (local[0] - surface->center[0]), scale * (local[1] - surface->center[1]));
+        for (int t = 0; t < TERMS; t++)
+            out->x[t][i] = at[t];
+        out->low[i] = (lanes){at[0], at[1], at[2], at[3]};
+        out->high[i] = (lanes){at[4], out->w[i], 1, 0};
+        for (int t = 0; t < TERMS; t++)
+            low[t] += at[t] * out->low[i];
+        by_w += out->w[i] * out->low[i];
+        high += at[4] * out->high[i];
     }
+    for (int t = 0; t < LANES; t++) {
+        for (int s = 0; s < LANES; s++)
+            out->square[TERMS * t + s] = low[t][s];
+        out->square[TERMS * LANES + t] = low[LANES][t];
+        out->xw[t] = by_w[t];
+    }
+    out->square[TERMS * LANES + LANES] = high[0];
+    out->xw[LANES] = high[1];
 }
 
-/* Sorts the heights: each goes to as many places from the start as there are lower ones. Quicker
- * for so few, in lanes and without branches, than what moves them. */
+/* Sorts the heights: each goes to as many places from the start as there are lower ones, by their
+ * first bits and their numbers; then those that are still out of order move. Quicker for so few, in
+ * lanes and without branches, than what moves them all. */
 VOR_CLONES static void sort(struct stack *stack)
 {
-    const double *h = stack->height;
-    unsigned k = stack->k;
+    int32_t key[VOR_NEIGHBORS_MAX], lower[VOR_NEIGHBORS_MAX];
+    double *sorted = stack->sorted;
+    int32_t k = (int32_t)stack->k;
 
-    for (unsigned i = 0; i < k; i++) {
-        uint64_t lower = 0;
+    for (int32_t i = 0; i < k; i++) {
+        union {
+            float height;
+            int32_t bits;
+        } to = {(float)stack->height[i]};
 
-        for (unsigned j = 0; j < i; j++)
-            lower += h[j] <= h[i];
-        for (unsigned j = i + 1; j < k; j++)
-            lower += h[j] < h[i];
-        stack->sorted[lower] = h[i];
+        key[i] = ((to.bits < 0 ? to.bits ^ INT32_MAX : to.bits) & ~UINT8_MAX) | i;
+        lower[i] = 0;
+    }
+    for (int32_t j = 0; j < k; j++)
+        for (int32_t i = 0; i < k; i++)
+            lower[i] += key[j] < key[i];
+    for (int32_t i = 0; i < k; i++)
+        sorted[lower[i]] = stack->height[i];
+    for (int32_t i = 1; i < k; i++) {
+        double height = sorted[i];
+        int32_t at = i;
+
+        for (; at > 0 && height < sorted[at - 1]; at--)
+            sorted[at] = sorted[at - 1];
+        sorted[at] = height;
     }
 }
 
 /* The height that splits the sorted heights in two with the least variance within the parts (Otsu
  * 1979, "A threshold selection method from gray-level histograms"). */
-static double best_split(const struct stack *stack)
+VOR_CLONES static double best_split(const struct stack *stack)
 {
     const double *h = stack->sorted;
-    double total = 0, low = 0, best = -1, at = h[0];
+    double low[VOR_NEIGHBORS_MAX], between[VOR_NEIGHBORS_MAX], total = 0, best = -1;
+    unsigned at = 0, last = stack->k - 1;
 
-    for (unsigned i = 0; i < stack->k; i++)
-        total += h[i];
-    for (unsigned i = 0; i + 1 < stack->k; i++) {
-        double n = i + 1, m = stack->k - n, apart;
+    for (unsigned i = 0; i <= last; i++)
+        low[i] = total += h[i];
+    for (unsigned i = 0; i < last; i++) {
+        double n = i + 1, m = last - i, apart = low[i] / n - (total - low[i]) / m;
 
-        low += h[i];
-        apart = low / n - (total - low) / m;
-        if (n * m * apart * apart > best) {
-            best = n * m * apart * apart;
-            at = (h[i] + h[i + 1]) / 2;
-        }
+        between[i] = n * m * apart * apart;
     }
-    return at;
+    for (unsigned i = 0; i < last; i++)
+        if (between[i] > best)
+            best = between[at = i];
+    return best > -1 ? (h[at] + h[at + 1]) / 2 : h[0];
 }
 
 /* Labels the points by one split. Returns whether any label changed. */
@@ -161,43 +191,68 @@ static void split_all(struct vor_layers *layers, struct stack *stack)
     }
 }
 
+/* Sums of the points of each layer, two at a time: each chain of sums waits for itself. */
+VOR_CLONES static void sum_layers(lanes low[VOR_LAYERS_MAX], lanes high[VOR_LAYERS_MAX],
+                                  const struct vor_layers *layers, const struct stack *stack)
+{
+    for (unsigned l = 0; l < layers->count; l += 2) {
+        lanes sum[4] = {{0}};
+
+        for (unsigned i = 0; i < stack->k; i++) {
+            double one = layers->of[i] == l, other = layers->of[i] == l + 1;
+
+            sum[0] += one * stack->low[i];
+            sum[1] += one * stack->high[i];
+            sum[2] += other * stack->low[i];
+            sum[3] += other * stack->high[i];
+        }
+        low[l] = sum[0];
+        high[l] = sum[1];
+        low[l + 1] = sum[2];
+        high[l + 1] = sum[3];
+    }
+}
+
+/* The points' heights over the quadric. */
+VOR_CLONES static void set_heights(struct stack *stack, const double shape[TERMS])
+{
+    for (unsigned i = 0; i < stack->k; i++) {
+        double height = stack->w[i];
+
+        for (int t = 0; t < TERMS; t++)
+            height -= shape[t] * stack->x[t][i];
+        stack->height[i] = height;
+    }
+}
+
 /* Fits the quadric that the layers share, and computes their heights and the points' heights over
  * it. Returns false when the points do not determine it. */
 static int share(struct vor_layers *layers, struct stack *stack)
 {
-    double a[TERMS * TERMS], x[VOR_LAYERS_MAX][TERMS], w[VOR_LAYERS_MAX], n[VOR_LAYERS_MAX];
+    double a[TERMS * TERMS], x[VOR_LAYERS_MAX][TERMS], w[VOR_LAYERS_MAX];
+    lanes low[VOR_LAYERS_MAX] = {{0}}, high[VOR_LAYERS_MAX] = {{0}};
 
-    for (unsigned l = 0; l < layers->count; l++) {
-        memset(x[l], 0, sizeof x[l]);
-        w[l] = n[l] = 0;
-    }
-    for (unsigned i = 0; i < stack->k; i++) {
-        unsigned l = layers->of[i];
-
-        n[l]++;
-        w[l] += stack->w[i];
-        for (int t = 0; t < TERMS; t++)
-            x[l][t] += stack->x[i][t];
-    }
+    sum_layers(low, high, layers, stack);
     memcpy(a, stack->square, sizeof a);
     memcpy(layers->shape, stack->xw, sizeof layers->shape);
     for (unsigned l = 0; l < layers->count; l++) {
-        w[l] /= n[l];
+        double n = high[l][2];
+
+        for (int t = 0; t < LANES; t++)
+            x[l][t] = low[l][t];
+        x[l][LANES] = high[l][0];
+        w[l] = high[l][1] / n;
         for (int t = 0; t < TERMS; t++) {
             for (int s = 0; s < t; s++)
                 a[TERMS * t + s] -= x[l][t] * x[l][s];
-            a[TERMS * t + t] -= x[l][t] * x[l][t] / n[l];
+            a[TERMS * t + t] -= x[l][t] * x[l][t] / n;
             layers->shape[t] -= x[l][t] * w[l];
-            x[l][t] /= n[l];
+            x[l][t] /= n;
         }
     }
     if (!(vor_solve_spd(a, layers->shape, TERMS, VOR_ROUNDED) > 0))
         return 0;
-    for (unsigned i = 0; i < stack->k; i++) {
-        stack->height[i] = stack->w[i];
-        for (int t = 0; t < TERMS; t++)
-            stack->height[i] -= layers->shape[t] * stack->x[i][t];
-    }
+    set_heights(stack, layers->shape);
     for (unsigned l = 0; l < layers->count; l++) {
         layers->height[l] = w[l];
         for (int t = 0; t < TERMS; t++)
@@ -242,7 +297,7 @@ static double other2(const struct vor_layers *layers, const struct stack *stack,
     double least = INFINITY;
 
     for (unsigned j = 0; j < stack->k; j++) {
-        double u = stack->x[j][0] - stack->x[i][0], v = stack->x[j][1] - stack->x[i][1];
+        double u = stack->x[0][j] - stack->x[0][i], v = stack->x[1][j] - stack->x[1][i];
 
         if (layers->of[j] != layers->of[i] && u * u + v * v < least)
             least = u * u + v * v;
@@ -340,7 +395,7 @@ int vor_layers_find_like(struct vor_layers *out, const struct vor_layers *like, 
     gather(&stack, &out->frame, near, k, 1);
     for (unsigned i = 0; i < k; i++)
         for (int t = 0; t < TERMS; t++)
-            stack.height[i] -= like->shape[t] * stack.x[i][t];
+            stack.height[i] -= like->shape[t] * stack.x[t][i];
     if (settle(out, &stack, all.spacing / out->frame.reach))
         return 1;
     none(out);
