@@ -139,18 +139,38 @@ unsigned vor_sheets_list(uint32_t *list, const struct vor_domain *domain, const 
     return take_layer(list, &layers, &wide, x, k);
 }
 
-int vor_sheets_gather(float *near, const struct vor_domain *domain, const double x[3], unsigned k,
-                      struct vor_layer *layer)
+/* Tries each way, first the one that is given, if any. Returns the one that finds layers. */
+static unsigned find_way(struct vor_layers *out, const struct wide *wide, unsigned first)
+{
+    if (first > 0 && attempt_it(out, wide->near, wide->most, first - 1))
+        return first;
+    for (unsigned way = 1; way <= ATTEMPTS; way++)
+        if (way != first && attempt_it(out, wide->near, wide->most, way - 1))
+            return way;
+    return VOR_SHEETS_NO_WAY;
+}
+
+unsigned char vor_sheets_way(const struct vor_domain *domain, uint32_t i, unsigned k)
 {
     struct wide wide;
-    struct vor_layers layers = {.count = 1};
+    struct vor_layers layers;
+    double x[3];
+
+    vor_to_doubles(x, vor_domain_point(domain, i));
+    gather_wide(&wide, domain, x, k);
+    return (unsigned char)find_way(&layers, &wide, 0);
+}
+
+int vor_sheets_gather(float *near, const struct vor_domain *domain, const double x[3], unsigned k,
+                      struct vor_layer *layer, unsigned way)
+{
+    struct wide wide;
+    struct vor_layers layers;
     struct vor_layer own = {.count = 0};
     unsigned n;
 
     gather_wide(&wide, domain, x, k);
-    for (unsigned i = 0; i < ATTEMPTS && layers.count == 1; i++)
-        (void)attempt_it(&layers, wide.near, wide.most, i);
-    if (layers.count == 1)
+    if (find_way(&layers, &wide, way) == VOR_SHEETS_NO_WAY)
         return 0;
     layer = layer != NULL ? layer : &own;
     layer->count = take_layer(layer->index, &layers, &wide, x, wide.most);
@@ -168,7 +188,7 @@ int vor_sheets_fit(struct vor_surface *out, float *near, const struct vor_domain
     vor_surface_fit(out, near, k);
     if (!vor_layers_possible(out) ||
         !(domain->known.sheets || vor_sheets_at(&domain->known.sheeted, x)) ||
-        !vor_sheets_gather(near, domain, x, k, layer))
+        !vor_sheets_gather(near, domain, x, k, layer, 0))
         return 0;
     vor_surface_fit(out, near, k);
     return 1;

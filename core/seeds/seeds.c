@@ -39,6 +39,21 @@ static unsigned asked(const struct vor_seeds *seeds, const float x[3])
     return at_most_all(seeds, vor_neighbors_at(&seeds->whole->known.neighbors, x));
 }
 
+/* Makes room for what is kept of each point of the domain, of which nothing is known yet. Returns
+ * whether there is room. */
+static int keep_points(struct vor_seeds *seeds)
+{
+    struct vor_memory *memory = seeds->run.memory;
+    size_t n = seeds->domain->n;
+    int looks = seeds->sheeted.count > 0 && seeds->n < n, ends = seeds->policy.keep_border;
+
+    vor_free(memory, seeds->way);
+    vor_free(memory, seeds->foot);
+    seeds->way = looks ? vor_calloc(memory, n, 1) : NULL;
+    seeds->foot = ends ? vor_calloc(memory, n, sizeof *seeds->foot) : NULL;
+    return (!looks || seeds->way != NULL) && (!ends || seeds->foot != NULL);
+}
+
 vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
                           struct vor_seeds_policy policy, const struct vor_run *run,
                           struct vor_error *err)
@@ -63,9 +78,7 @@ vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain
     seeds.xyz = vor_malloc(run->memory, n, 3 * sizeof *seeds.xyz);
     seeds.last_fit = vor_calloc(run->memory, n, sizeof *seeds.last_fit);
     seeds.scratch = vor_calloc(run->memory, threads, sizeof *seeds.scratch);
-    if (policy.keep_border)
-        seeds.foot = vor_calloc(run->memory, domain->n, sizeof *seeds.foot);
-    if (seeds.xyz == NULL || (policy.keep_border && seeds.foot == NULL) || seeds.last_fit == NULL ||
+    if (!keep_points(&seeds) || seeds.xyz == NULL || seeds.last_fit == NULL ||
         seeds.scratch == NULL ||
         vor_input_lists_init(&seeds.input_lists, n, &input, run->memory, err) != VOR_OK ||
         vor_point_lists_init(&seeds.point_lists, n, n > listed ? listed : (unsigned)n - 1,
@@ -91,6 +104,7 @@ void vor_seeds_free(struct vor_seeds *seeds)
     vor_point_lists_free(&seeds->point_lists);
     vor_input_lists_free(&seeds->input_lists);
     vor_free(memory, seeds->foot);
+    vor_free(memory, seeds->way);
     VOR_FREE_ALL(memory, seeds->kept, seeds->last_fit, seeds->track, seeds->normal, seeds->xyz);
     memset(seeds, 0, sizeof *seeds);
 }
@@ -106,18 +120,15 @@ void vor_seeds_forget_input(struct vor_seeds *seeds)
 vor_status vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain,
                           struct vor_error *err)
 {
-    if (seeds->foot != NULL && domain != seeds->domain) {
-        vor_free(seeds->run.memory, seeds->foot);
-        seeds->foot = vor_calloc(seeds->run.memory, domain->n, sizeof *seeds->foot);
-        if (seeds->foot == NULL)
-            return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
-    }
+    int other = domain != seeds->domain;
+
     seeds->domain = domain;
     seeds->sheets |= domain->known.sheets;
     if (domain->known.sheeted.count > seeds->sheeted.count)
         seeds->sheeted = domain->known.sheeted;
     vor_seeds_forget_input(seeds);
-    return VOR_OK;
+    return !other || keep_points(seeds) ? VOR_OK
+                                        : vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
 }
 
 vor_status vor_seeds_index(struct vor_seeds *seeds, const struct vor_run *run,
@@ -161,6 +172,29 @@ static void gather(const struct vor_seeds *seeds, struct vor_place *place, const
         memcpy(&place->near[3 * j], &place->near[3 * (j - count)], 3 * sizeof *place->near);
 }
 
+/* Gathers points of a layer. Where seeds are fewer than points, only if the input has layers at one
+ * of the first two points of a list: one alone is wrong about them now and then. As the way at a
+ * point depends on that point alone, whichever thread finds it first may keep it for all. By one
+ * point / two / three / asked of each fit: an office of 254,456 points to 10,000 takes 8.4 / 9.8 /
+ * 10.7 / 13.3 CPU s. Of more seeds than points that lie between these, by one point / each: a disc
+ * with a wall of 1.9 spacings upsampled fourfold is 0.246 / 0.159 spacings off. */
+static int gather_layer(const struct vor_seeds *seeds, struct vor_place *place, const double x[3],
+                        const uint32_t *index, struct vor_layer *layer)
+{
+    const struct vor_domain *domain = seeds->domain;
+    unsigned char way = seeds->way != NULL ? VOR_SHEETS_NO_WAY : 0;
+
+    for (unsigned j = 0; j < 2 && way == VOR_SHEETS_NO_WAY; j++) {
+        way = atomic_load_explicit(&seeds->way[index[j]], memory_order_relaxed);
+        if (way > 0)
+            continue;
+        way = vor_sheets_way(domain, index[j], asked(seeds, vor_domain_point(domain, index[j])));
+        atomic_store_explicit(&seeds->way[index[j]], way, memory_order_relaxed);
+    }
+    return way != VOR_SHEETS_NO_WAY &&
+           vor_sheets_gather(place->near, domain, x, place->k, layer, way);
+}
+
 /* Fits to a list or, where a domain has sheets around x, to a layer. Where only a thinned one has
  * them, this looks on the whole too: its neighbours reach over to another sheet at the border.
  *
@@ -186,8 +220,7 @@ static struct vor_lists_fitted fit_quadric(const struct vor_seeds *seeds, struct
         fitted.sheet = 0;
     }
     if (!fitted.sheet && !(listed && domain->known.sheets) && vor_layers_possible(out) &&
-        vor_sheets_at(&seeds->sheeted, x) &&
-        vor_sheets_gather(place->near, domain, x, place->k, layer)) {
+        vor_sheets_at(&seeds->sheeted, x) && gather_layer(seeds, place, x, index, layer)) {
         vor_surface_fit(out, place->near, place->k);
         fitted.sheet = 1;
     }

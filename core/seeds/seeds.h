@@ -108,6 +108,8 @@ struct vor_seeds {
                            fine (seeds/coarse.h); 0 else */
     struct vor_input_lists input_lists; /**< candidates among the input, for each seed */
     struct vor_last_fit *last_fit;      /**< n */
+    _Atomic unsigned char *way; /**< of each point of the domain: vor_sheets_way there; 0: not known
+                                   yet. NULL if seeds are not fewer, or no fit looks for layers */
     _Atomic double *foot; /**< of each point of the domain: spacing of the surface there, negative
                              where its points are irregular; 0: not known yet. NULL if points may
                              leave the input */
