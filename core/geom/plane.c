@@ -17,7 +17,7 @@ void vor_plane_fit(struct vor_plane *out, const float *xyz, const uint32_t *inde
 
         vor_add_square(m, d);
     }
-    vor_eigen3(values, vectors, m);
+    vor_eigen3_flat(values, vectors, m);
     total = values[0] + values[1] + values[2];
     for (unsigned c = 0; c < 3; c++) {
         out->middle[c] = (float)mean[c];

@@ -47,7 +47,7 @@ static void find_plane(double axis[2][3], const float *offset, unsigned k)
             d[c] = (j < most ? (double)offset[3 * j + (unsigned)c] : 0) - mean[c];
         vor_add_square(m, d);
     }
-    vor_eigen3(values, vectors, m);
+    vor_eigen3_flat(values, vectors, m);
     memcpy(axis, vectors[1], 2 * sizeof axis[0]);
 }
 
