@@ -15,7 +15,7 @@
 #include "core/seeds/seeds.h"
 
 /** Room for the parts of a stage. */
-#define VOR_CHECKPOINT_SLOTS 12
+#define VOR_CHECKPOINT_SLOTS 13
 
 /** The checkpoints of one run of the engine. */
 struct vor_checkpoints {

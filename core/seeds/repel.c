@@ -8,6 +8,7 @@
 #include "core/seeds/checkpoint.h"
 #include "core/seeds/forces.h"
 #include "core/seeds/former.h"
+#include "core/seeds/leash.h"
 #include "core/seeds/stage.h"
 #include "core/seeds/uniformity.h"
 
@@ -112,6 +113,7 @@ struct polish {
     double h;             /* mean spacing */
     double pitch;         /* of the hexagonal lattice of as many points on the same area */
     struct vor_repel_pace pace;
+    struct vor_leash leash;
     struct vor_recall recall; /* of last fits */
     struct vor_forces forces; /* of the step, if lists hold the points around a seed */
     int cells;                /* holes are looked for in this step */
@@ -296,8 +298,10 @@ static int leaves_input(const struct vor_seeds *seeds, const struct vor_scratch 
            vor_boundary_leaves(&border, VOR_OUTSIDE_EVENING, x, y);
 }
 
-static void step_to(struct polish *polish, size_t i, const double y[3])
+static void step_to(struct polish *polish, size_t i, double y[3])
 {
+    if (polish->stage.record.step + FRESH < polish->stage.record.of) /* then they even out */
+        vor_leash_hold(&polish->leash, i, y);
     for (size_t c = 0; c < 3; c++) {
         polish->next[3 * i + c] = (float)y[c];
         polish->step[3 * i + c] = (float)(y[c] - (double)polish->seeds->xyz[3 * i + c]);
@@ -493,8 +497,7 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
         .most = (float)VOR_REPEL_FORCE_MAX,
         .power = polish->pace.power,
     };
-    if (status == VOR_OK)
-        status = vor_seeds_index(seeds, stage->run, err);
+    VOR_THEN(status, vor_seeds_index(seeds, stage->run, err));
     if (status == VOR_OK)
         status = vor_run_for(stage->run, seeds->n, VOR_SEEDS_BLOCK, place_block, polish, err);
     if (status == VOR_OK)
@@ -556,14 +559,16 @@ static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int *
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     else
         status = vor_stage_of_seeds(&polish.stage, seeds, err);
+    VOR_THEN(status, vor_leash_make(&polish.leash, seeds, err));
     polish.stage.part[0] = (struct vor_part){polish.step, seeds->n * row};
     polish.stage.part[1] = (struct vor_part){polish.pull, seeds->n * row};
     polish.stage.part[2] = (struct vor_part){polish.quiet, seeds->n};
     polish.stage.part[3] = (struct vor_part){&polish.recall, sizeof polish.recall};
-    if (status == VOR_OK)
-        status = vor_stage_run(&polish.stage, err);
+    polish.stage.part[4] = (struct vor_part){polish.leash.at, polish.leash.size};
+    VOR_THEN(status, vor_stage_run(&polish.stage, err));
     told->refined = polish.recall.refine;
     *keep_holes = polish.recall.keep_holes;
+    vor_leash_free(&polish.leash, memory);
     VOR_FREE_ALL(memory, polish.quiet, polish.pull, polish.step, polish.next, polish.at);
     vor_stage_free(&polish.stage);
     return status;
@@ -580,16 +585,12 @@ vor_status vor_polish(struct vor_seeds *seeds, struct vor_outcome *told,
         status = vor_attach_fast(seeds, err);
     else if (!vor_checkpoint_is(run)) /* of seeds that are attached */
         status = vor_attach(seeds, &keep_holes, err);
-    if (status == VOR_OK)
-        status = repel(seeds, told, &keep_holes, spec, run, err);
-    if (status == VOR_OK)
-        status = vor_attach_to_whole(seeds, keep_holes, err);
+    VOR_THEN(status, repel(seeds, told, &keep_holes, spec, run, err));
+    VOR_THEN(status, vor_attach_to_whole(seeds, keep_holes, err));
     if (status == VOR_OK && told->steps[VOR_RUN_STAGE_POLISH] > 0)
         status = vor_attach_last(seeds, err);
-    if (status == VOR_OK)
-        status = vor_former_weigh(seeds, err);
-    if (status == VOR_OK)
-        status = vor_attach_steep(seeds, err);
+    VOR_THEN(status, vor_former_weigh(seeds, err));
+    VOR_THEN(status, vor_attach_steep(seeds, err));
     if (status == VOR_OK)
         vor_attach_to_box(seeds);
     told->seconds[VOR_RUN_STAGE_POLISH] = vor_run_clock(run) - before;

@@ -102,8 +102,9 @@ struct vor_seeds {
     uint32_t *track; /**< n: which points of a sequence they are, if there is an earlier result;
                         else NULL */
     uint32_t unused; /**< then the next number for a point that is born */
-    double coherence; /**< VOR_SEEDS_COHERENT times coherence of the request times the share of the
-                           seeds that live on from there, and less where the surface moved
+    double coherence; /**< VOR_SEEDS_COHERENT times coherence of the request times the share that
+                           lives on of the seeds or of the points before, whichever are more, and
+                           less where the surface moved
                            (seeds/warm_start.c); VOR_SEEDS_COHERENT after a start from coarse to
                            fine (seeds/coarse.h); 0 else */
     struct vor_input_lists input_lists; /**< candidates among the input, for each seed */

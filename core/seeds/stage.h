@@ -12,7 +12,7 @@
 #define VOR_STAGE_SHARE 0.5
 
 /** Room for the parts that a method adds to a checkpoint. */
-#define VOR_STAGE_SLOTS 4
+#define VOR_STAGE_SLOTS 5
 
 struct vor_stage;
 

@@ -38,7 +38,8 @@ struct warm {
     uint32_t *emptiest;   /* m: the one of these that is farthest from it */
     unsigned char *dead;  /* m */
     uint32_t *nearest;    /* n: point that is nearest */
-    float *gap;           /* n: less than 0: square of its distance over the spacing wanted there */
+    float *gap;           /* n: less than 0: square of its distance over the spacing wanted there
+                             and, if it is farther, how far points lie off the surface */
     unsigned char *birth; /* n: a point is born there */
 };
 
@@ -150,15 +151,24 @@ static void room_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
     warm->room[i] = distance2[1];
 }
 
-static void gap_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void gap_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     const struct warm *warm = ctx;
     const float *x = warm->seeds->xyz;
+    struct vor_scratch *scratch = &warm->seeds->scratch[worker];
+    struct vor_place *there = &scratch->there;
 
     vor_knn_search(warm->knn, &x[3 * begin], end - begin, 1, &warm->nearest[begin],
                    &warm->gap[begin]);
-    for (size_t j = begin; j < end; j++)
-        warm->gap[j] = -(float)((double)warm->gap[j] / spacing2(warm, &x[3 * j]));
+    for (size_t j = begin; j < end; j++) {
+        double at[3] = {(double)x[3 * j], (double)x[3 * j + 1], (double)x[3 * j + 2]};
+        double far = sqrt(spacing2(warm, &x[3 * j]));
+
+        if ((double)warm->gap[j] > far * far && !vor_run_is_late(&warm->seeds->run) &&
+            vor_seeds_fit_at(warm->seeds, scratch, there, at) != VOR_SURFACE_NONE)
+            far += sqrt(there->surface.off2);
+        warm->gap[j] = -(float)((double)warm->gap[j] / (far * far));
+    }
 }
 
 /* Counts the first positions. Returns how many of them are clear of all points and are births. */
@@ -271,7 +281,7 @@ static vor_status take(struct warm *warm, struct vor_error *err)
     vor_free(seeds->run.memory, xyz);
     status = sort(seeds->xyz, seeds->track, NULL, seeds->n, &seeds->run, err);
     seeds->coherence = VOR_SEEDS_COHERENT * warm->coherence * (1 - warm->moved) * (double)living /
-                       (double)seeds->n;
+                       fmax((double)seeds->n, (double)warm->previous->n);
     return status;
 }
 

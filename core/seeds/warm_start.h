@@ -3,7 +3,10 @@
  *  Each point of that result is put onto the surface near it; it dies if the surface is too far
  *  away. How many points there should be in each place is read off the first positions of a run
  *  without an earlier result (seeds/start.h): each of these counts for the point nearest to it, and
- *  those farther than a spacing from all points become points themselves. Then the points and what
+ *  those farther than a spacing from all points, and than the fit there is off besides, become
+ *  points themselves: with noise of 0.2 spacings fits where two sides are near are off by half a
+ *  spacing, and 2 to 14 of 5,000 points of an armadillo were born there in each frame, now 0 or 1.
+ *  Then the points and what
  *  counts for them are summed along the Morton curve, less where the surface hardly moved: there
  *  the difference is one of noise. Where one sum is ahead of the other by BALANCE, a point is born
  *  at the emptiest first position since the last such place, or the point with the least room dies.
