@@ -130,6 +130,12 @@ static double least_allowed(const struct vor_seeds *seeds)
     return sqrt(seeds->area / (double)seeds->n) / 2;
 }
 
+double vor_attach_allowed(const struct vor_seeds *seeds)
+{
+    return stay_near(seeds) && seeds->policy.near_input == VOR_NEAR_ALWAYS ? least_allowed(seeds)
+                                                                           : INFINITY;
+}
+
 /* Moves x, `length` from its nearest input point, onto the plane through the points nearest to
  * that, if it is then half as far from the input or nearer: a surface fitted to the points of two
  * sheets, or of both sides of an edge, lies in the air between them. `around` was gathered around
@@ -272,8 +278,7 @@ static void end_row(void *ctx, size_t i, unsigned worker)
     double near = VOR_OUTSIDE_BEYOND * VOR_OUTSIDE_IN_RESULT * seeds->domain->sparse, x[3];
     int late = vor_run_is_late(&seeds->run), moved;
 
-    if (stay_near(seeds) && seeds->policy.near_input == VOR_NEAR_ALWAYS)
-        near = fmin(near, least_allowed(seeds));
+    near = fmin(near, vor_attach_allowed(seeds));
     if (!late && lies_near(seeds, i, near * near))
         return;
     vor_seeds_position(seeds, i, x);

@@ -83,10 +83,14 @@ VOR_NODISCARD vor_status vor_attach_fast(struct vor_seeds *seeds, struct vor_err
  *
  *  Why: in scans a fit takes in points of two sheets, or a few points of a face that was seen at a
  *  grazing angle, and what is beyond their end is a guess. vor_attach, each step of the polish and
- *  vor_attach_last ask for it: asked at the end alone, it leaves crowds at borders.
+ *  vor_attach_last ask for it: asked at the end alone, it leaves crowds.
  *
  *  One search where x is that far, else O(k). */
 int vor_attach_near(const struct vor_seeds *seeds, struct vor_scratch *scratch, double x[3]);
+
+/** Distance from the input beyond which vor_attach_last asks vor_attach_near for a seed,
+ * normalised: INFINITY where it asks for none. O(1). */
+double vor_attach_allowed(const struct vor_seeds *seeds);
 
 /** Moves seeds on an input of very few points back to near its box, if the border is kept. No lists
  *  are made anew: call it last. O(n). */

@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/input/lists.h"
+#include "core/seeds/attach.h"
 
 /* Whether the points around the seed at hand are as irregular as those of white noise, where no
  * gap shows a hole (vor_seeds_hold). */
@@ -37,12 +38,14 @@ static int chance_gap(const struct vor_seeds *seeds, const struct vor_scratch *s
 }
 
 /* Whether an input point is near the seed, at x: as near as where holes are not kept, where the
- * input is too irregular to show any. */
-static int near_input(const struct vor_place *here, const double x[3], int keep_holes)
+ * input is too irregular to show any; and as near as seeds are in the end, or others would not make
+ * room for those that are moved then. */
+static int near_input(const struct vor_seeds *seeds, const struct vor_place *here,
+                      const double x[3], int keep_holes)
 {
     double spacing = vor_boundary_spacing(here->near, here->k, x);
 
-    return vor_boundary_within(here->near, here->k, x, spacing) &&
+    return vor_boundary_within(here->near, here->k, x, fmin(spacing, vor_attach_allowed(seeds))) &&
            (!keep_holes || vor_boundary_within(here->near, here->k, x, VOR_HOLE_INSIDE * spacing) ||
             irregular(here));
 }
@@ -72,8 +75,8 @@ enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scrat
     vor_seeds_position(seeds, i, x);
     last->inside = !seeds->policy.keep_border || vor_seeds_surrounded(scratch, x) ||
                    (how->keep_holes && chance_gap(seeds, scratch, i, x));
-    last->interior = last->inside &&
-                     (!seeds->policy.keep_border || near_input(&scratch->here, x, how->keep_holes));
+    last->interior = last->inside && (!seeds->policy.keep_border ||
+                                      near_input(seeds, &scratch->here, x, how->keep_holes));
     scratch->onto = scratch->here.surface;
     if (how->refine)
         (void)vor_seeds_refine(seeds, scratch, i, &scratch->onto);
