@@ -25,6 +25,7 @@ struct relax {
     const struct vor_complex *complex;
     float *next;           /* n x 3 */
     unsigned char *moves;  /* n: of enum vor_relax_motion */
+    unsigned char *near;   /* n: how many rings nearer to a crease than those that do not care */
     struct vor_recall how; /* last fits are used again */
     enum vor_relax_aim aim;
     double length; /* that edges are brought to */
@@ -213,6 +214,7 @@ static void move_row(void *ctx, size_t i, unsigned worker)
     memcpy(&relax->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
     if (relax->moves[i] && vor_seeds_recall(seeds, scratch, i, &relax->how) != VOR_SURFACE_NONE) {
         struct vor_frame frame;
+        enum vor_relax_aim aim = relax->near[i] > 0 ? VOR_RELAX_STRAIN : relax->aim;
         double x[3], step[2];
 
         vor_seeds_position(relax->seeds, i, x);
@@ -220,11 +222,11 @@ static void move_row(void *ctx, size_t i, unsigned worker)
         vor_frame_of(&frame, &relax->sheet->normal[3 * i]);
         if (relax->moves[i] == VOR_RELAX_ALONG)
             vor_relax_axes(frame.axis, relax->complex, seeds->xyz, (uint32_t)i);
-        steps_of[relax->aim](relax, &frame, i, step);
+        steps_of[aim](relax, &frame, i, step);
         for (int c = 0; c < 3; c++)
             x[c] += step[0] * frame.axis[0][c] + step[1] * frame.axis[1][c];
         vor_surface_put(&scratch->onto, x);
-        if (relax->aim != VOR_RELAX_STRAIN && leaves(seeds, scratch, i, &relax->how, x))
+        if (aim != VOR_RELAX_STRAIN && leaves(seeds, scratch, i, &relax->how, x))
             return;
         set_normal(relax->sheet, &scratch->onto, i, x);
         vor_to_floats(&relax->next[3 * i], x);
@@ -276,6 +278,25 @@ int vor_relax_is_free(const struct vor_complex *complex, const struct vor_sheet 
     return vor_relax_is_smooth(complex, sheet, i);
 }
 
+/* Finds the points less than so many rings from creases. */
+static void find_near(struct relax *relax, unsigned rings)
+{
+    const struct vor_complex *complex = relax->complex;
+    unsigned char *near = relax->near;
+
+    for (size_t i = 0; i < complex->n; i++)
+        near[i] = relax->moves[i] == VOR_RELAX_ALONG ? (unsigned char)rings : 0;
+    for (unsigned left = rings; left-- > 1;)
+        for (size_t t = 0; t < complex->count; t++) {
+            const uint32_t *at = &complex->triangle[3 * t];
+
+            if (at[0] != VOR_COMPLEX_GONE &&
+                (near[at[0]] == left + 1 || near[at[1]] == left + 1 || near[at[2]] == left + 1))
+                for (int c = 0; c < 3; c++)
+                    near[at[c]] = near[at[c]] > left ? near[at[c]] : (unsigned char)left;
+        }
+}
+
 static vor_status steps(struct relax *relax, const struct vor_relax_how *how, struct vor_error *err)
 {
     struct vor_seeds *seeds = relax->seeds;
@@ -291,6 +312,7 @@ static vor_status steps(struct relax *relax, const struct vor_relax_how *how, st
             relax->moves[i] = VOR_RELAX_STAYS;
         else if (!vor_relax_is_free(relax->complex, relax->sheet, (uint32_t)i))
             relax->moves[i] = how->creases ? VOR_RELAX_ALONG : VOR_RELAX_STAYS;
+    find_near(relax, how->creases);
     for (unsigned step = 0; step < how->steps && status == VOR_OK; step++) {
         status = vor_run_rows(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, move_row, relax, err);
         if (status == VOR_OK)
@@ -314,8 +336,8 @@ vor_status vor_relax(struct vor_sheet *sheet, struct vor_seeds *seeds,
     vor_status status;
 
     status = VOR_MAKE_ALL(memory, err, seeds->n, VOR_ARRAY(relax.next, seeds->n, 3),
-                          VOR_ARRAY(relax.moves, seeds->n, 1));
+                          VOR_ARRAY(relax.moves, seeds->n, 1), VOR_ARRAY(relax.near, seeds->n, 1));
     VOR_THEN(status, steps(&relax, how, err));
-    VOR_FREE_ALL(memory, relax.moves, relax.next);
+    VOR_FREE_ALL(memory, relax.near, relax.moves, relax.next);
     return status;
 }

@@ -79,7 +79,8 @@ struct vor_relax_how {
     double length;  /**< LENGTH: of the edges, over the spacing wanted; without a density normalised
                      */
     int keep_holes; /**< not STRAIN: holes are kept open (vor_attach) */
-    int creases;    /**< STRAIN: points on creases move along them */
+    unsigned creases; /**< 0: points on creases stay. Else they move along them, by STRAIN, as do
+                         points less than so many rings from one */
 };
 
 /** Moves the points.
@@ -88,7 +89,7 @@ struct vor_relax_how {
  *  @param[in,out] seeds    those of the sheet; their lists are not renewed
  *  @param[in]     complex  over the seeds
  *
- *  @retval VOR_E_NOMEM  13 bytes a seed do not fit
+ *  @retval VOR_E_NOMEM  14 bytes a seed do not fit
  *  @retval VOR_E_CANCELLED
  *
  *  O(steps n), on the run's pool. The same positions for any number of threads. */
