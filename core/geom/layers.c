@@ -100,6 +100,7 @@ static void gather(struct stack *out, const struct vor_surface *surface, const f
  * lanes and without branches, than what moves them all. */
 VOR_CLONES static void sort(struct stack *stack)
 {
+    _Static_assert((VOR_NEIGHBORS_MAX & (VOR_NEIGHBORS_MAX - 1)) == 0, "bits of a point's number");
     int32_t key[VOR_NEIGHBORS_MAX], lower[VOR_NEIGHBORS_MAX];
     double *sorted = stack->sorted;
     int32_t k = (int32_t)stack->k;
@@ -110,7 +111,7 @@ VOR_CLONES static void sort(struct stack *stack)
             int32_t bits;
         } to = {(float)stack->height[i]};
 
-        key[i] = ((to.bits < 0 ? to.bits ^ INT32_MAX : to.bits) & ~UINT8_MAX) | i;
+        key[i] = ((to.bits < 0 ? to.bits ^ INT32_MAX : to.bits) & -VOR_NEIGHBORS_MAX) | i;
         lower[i] = 0;
     }
     for (int32_t j = 0; j < k; j++)

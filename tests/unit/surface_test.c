@@ -1,6 +1,7 @@
 /* The local surface: what it recovers, where it falls back, how it goes on and projects. */
 #include "core/base/linalg.h"
 #include "core/geom/glide.h"
+#include "core/geom/layers.h"
 #include "core/geom/surface.h"
 #include "tests/support/vt.h"
 
@@ -374,4 +375,21 @@ VT_TEST_LOOP(a_weight_counts_like_so_many_points, SEEDS)
     ck_assert_double_eq_tol(weighted.center[0], listed.center[0], 1e-12);
     ck_assert(fabs(weighted.c[0] - plain.c[0]) > 1e-6);
     ck_assert(weighted.spacing == 0);
+}
+
+/* Heights that are equal, as on a lattice, are sorted like others. */
+VT_TEST_LOOP(two_sheets_of_as_many_points_as_a_fit_takes_are_told_apart, SEEDS)
+{
+    float near[3 * VOR_NEIGHBORS_MAX], apart = (float)(2 + vt_unit((uint64_t)_i, 0));
+    struct vor_layers layers;
+
+    for (unsigned i = 0; i < VOR_NEIGHBORS_MAX; i++) {
+        near[3 * i] = (float)(i / 2 % 16) - 7.5F;
+        near[3 * i + 1] = (float)(i / 32) - 7.5F;
+        near[3 * i + 2] = i % 2 ? apart : -apart;
+    }
+    vor_layers_find(&layers, near, VOR_NEIGHBORS_MAX);
+    ck_assert_uint_eq(layers.count, 2);
+    for (unsigned i = 0; i < VOR_NEIGHBORS_MAX; i++)
+        ck_assert_uint_eq(layers.of[i], i % 2);
 }
