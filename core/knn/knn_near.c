@@ -228,6 +228,7 @@ void vor_boxes_search_near(const struct vor_boxes *boxes, const struct vor_knn_n
     float most2[VOR_KNN_NEAR_MAX], far = INFINITY, widest2 = 0;
     struct around around;
     unsigned k = near->k;
+    int wide = 0;
 
     around.count = 0;
     if (near->within == NULL) {
@@ -249,7 +250,9 @@ void vor_boxes_search_near(const struct vor_boxes *boxes, const struct vor_knn_n
         }
     }
     gather(&around, boxes, &box, widest2);
-    if (around.count > ROOM && near->count > 1) {
+    for (int c = 0; c < 3; c++)
+        wide |= box.low[c] < box.high[c];
+    if (around.count > ROOM && wide) { /* else halves would find as many */
         size_t few = near->count / 2;
         struct vor_knn_near half = {near->queries, few, k, near->within};
 
