@@ -22,10 +22,16 @@ static int take_evicted(void *ctx, struct vor_sql_row *row)
 #define TIME "CASE ?1 WHEN 0 THEN clock_ms() ELSE ?1 END"
 #define EXPIRE "UPDATE job SET expired = 1, idem_key = NULL, kept = 0, held = 0"
 
-/* ?1 is the limit, ?2 how many at most. A job before others, in the order in which they ended,
- * gives up its uploads before them: it follows while what those before it keep is less than what is
- * too much. Results the other way round: jobs that ended last keep theirs as long as they fit
- * together. */
+/* ?1 is the limit, ?2 how many at most. Jobs give up what they keep in the order in which they
+ * ended, while what those before them keep is less than what is too much. Only the first ?2 are
+ * added up: with all of them a submit took longer the more jobs there were. */
+#define ENDED(column, which)                                                                       \
+    " WHERE seq IN (SELECT seq FROM (SELECT seq, " column ", sum(" column                          \
+    ") OVER (ORDER BY finished, seq) - " column " AS earlier FROM (SELECT seq, finished, " column  \
+    " FROM job WHERE " column " > 0 AND finished > 0 ORDER BY finished, seq LIMIT ?2) AS oldest)"  \
+    " AS ended WHERE earlier < (SELECT sum(" column ") FROM ledger) - ?1" which                    \
+    ") RETURNING id, process_id, attempt"
+
 static const struct {
     const char *total; /* nothing is too much while this is not above the limit; NULL: ask anyway */
     const char *sql;
@@ -35,16 +41,10 @@ static const struct {
                                         " AND expired = 0 ORDER BY expires LIMIT ?2)"
                                         " RETURNING id, process_id, attempt"},
     [VOR_EVICT_UPLOADS] = {"SELECT sum(kept) FROM ledger",
-                           "UPDATE job SET kept = 0 WHERE seq IN"
-                           " (SELECT seq FROM (SELECT seq, sum(kept) OVER (ORDER BY finished, seq)"
-                           " - kept AS earlier FROM job WHERE kept > 0 AND finished > 0) AS ended"
-                           " WHERE earlier < (SELECT sum(kept) FROM ledger) - ?1"
-                           " ORDER BY earlier LIMIT ?2) RETURNING id, process_id, attempt"},
-    [VOR_EVICT_RESULTS] = {"SELECT sum(held) FROM ledger", EXPIRE
-                           " WHERE seq IN (SELECT seq FROM (SELECT seq, held,"
-                           " sum(held) OVER (ORDER BY finished DESC, seq DESC) AS later"
-                           " FROM job WHERE held > 0) AS ended WHERE later > ?1 AND later > held"
-                           " ORDER BY later DESC LIMIT ?2) RETURNING id, process_id, attempt"},
+                           "UPDATE job SET kept = 0" ENDED("kept", "")},
+    [VOR_EVICT_RESULTS] = {"SELECT sum(held) FROM ledger", /* the last to end keeps its own */
+                           EXPIRE ENDED("held", " AND earlier + held < (SELECT sum(held) FROM"
+                                                " ledger)")},
 };
 
 static vor_status evict(struct vor_store *store, enum vor_evict why, int64_t limit,

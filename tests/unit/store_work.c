@@ -74,7 +74,7 @@ static struct vor_job_view fill(struct vor_store *store, const char *tenant, con
     (void)snprintf(row.key.principal, sizeof row.key.principal, "%s", tenant);
     (void)snprintf(row.key.text, sizeof row.key.text, "%s", row.id.text);
     (void)snprintf(row.name, sizeof row.name, "%s", name);
-    row.kept = 1000;
+    row.kept = row.output[0].bytes = 1000;
     vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     row.attempt = vt_claim(store, &row.id);
     vt_assert_ok(
@@ -98,9 +98,8 @@ static struct vor_store *open_filled(const char *dir)
     return store;
 }
 
-static int count_row(void *ctx, const struct vor_job_view *row)
+static int count_row(void *ctx, VOR_UNUSED const struct vor_job_view *row)
 {
-    (void)row;
     ++*(int *)ctx;
     return 1;
 }
@@ -115,8 +114,7 @@ static int list(struct vor_store *store, const struct vor_job_filter *filter)
 
 VT_TEST(what_a_submit_and_a_run_ask_walks_over_no_rows)
 {
-    const char *dir = vt_dir_make();
-    struct vor_store *store = open_filled(dir);
+    struct vor_store *store = open_filled(vt_dir_make());
     struct vor_job_view row = fill(store, "alice", "one"), back;
     struct vor_evicted one;
     struct vor_evictions evicted = {.job = &one, .max = 1};
@@ -138,33 +136,36 @@ VT_TEST(what_a_submit_and_a_run_ask_walks_over_no_rows)
     ck_assert_uint_eq(requeued, 0);
     ck_assert_int_le(pages(), 60);
     vt_assert_ok(vor_store_ledger(store, "alice", &ledger, &vt_err));
-    ck_assert_uint_eq(ledger.bytes, (ROWS + 1) * (uint64_t)1000);
+    ck_assert_uint_eq(ledger.bytes, (ROWS + 1) * (uint64_t)2000);
     vt_assert_ok(vor_store_evict(store, VOR_EVICT_UPLOADS, INT64_MAX, &evicted, &vt_err));
     vt_assert_ok(vor_store_evict(store, VOR_EVICT_RESULTS, INT64_MAX, &evicted, &vt_err));
     ck_assert_int_le(pages(), 10); /* however many jobs there are */
     ck_assert_int_eq(full_steps, 0);
+    vm_steps = 0;
+    vt_assert_ok(vor_store_evict(store, VOR_EVICT_UPLOADS, ROWS * 1000, &evicted, &vt_err));
+    ck_assert_uint_eq(evicted.count, 1);
+    vt_assert_ok(vor_store_evict(store, VOR_EVICT_RESULTS, ROWS * 1000, &evicted, &vt_err));
+    ck_assert_uint_eq(evicted.count, 1);
+    ck_assert_int_le(vm_steps, 3 * ROWS);
     vor_store_close(store);
 }
 
 /* Filters that no row passes, and where a walk over an index is allowed. */
 VT_TEST(a_list_reads_the_rows_that_it_lists_alone)
 {
-    const char *dir = vt_dir_make();
-    struct vor_store *store = open_filled(dir);
-    const struct vor_job_filter none[] = {
-        {.limit = 100, .name = "nosuch"},
-        {.limit = 100, .name = "nosuch", .tenant = "alice"},
-        {.limit = 100, .tenant = "bob"},
-        {.limit = 100, .name = "nightly", .tenant = "bob"},
-        {.limit = 100, .name = "nightly", .process = "mesh"},
-        {.limit = 100, .tenant = "alice", .process = "mesh"},
-        {.limit = 100, .process = "mesh"},
-        {.limit = 100, .statuses = 1u << VOR_JOB_FAILED},
-        {.limit = 100, .created_from = INT64_MAX},
-        {.limit = 100, .created_to = 1},
-        {.limit = 100, .duration_min = INT64_MAX},
-        {.limit = 100, .before_seq = 1},
-    };
+    struct vor_store *store = open_filled(vt_dir_make());
+    const struct vor_job_filter none[] = {{.limit = 100, .name = "nosuch"},
+                                          {.limit = 100, .name = "nosuch", .tenant = "alice"},
+                                          {.limit = 100, .tenant = "bob"},
+                                          {.limit = 100, .name = "nightly", .tenant = "bob"},
+                                          {.limit = 100, .name = "nightly", .process = "mesh"},
+                                          {.limit = 100, .tenant = "alice", .process = "mesh"},
+                                          {.limit = 100, .process = "mesh"},
+                                          {.limit = 100, .statuses = 1u << VOR_JOB_FAILED},
+                                          {.limit = 100, .created_from = INT64_MAX},
+                                          {.limit = 100, .created_to = 1},
+                                          {.limit = 100, .duration_min = INT64_MAX},
+                                          {.limit = 100, .before_seq = 1}};
 
     for (size_t i = 0; i < sizeof none / sizeof none[0]; i++) {
         ck_assert_int_eq(list(store, &none[i]), 0);
@@ -177,8 +178,7 @@ VT_TEST(a_list_reads_the_rows_that_it_lists_alone)
  * none reads a trace. */
 VT_TEST_LOOP(a_list_in_steps_reads_each_row_once, 2)
 {
-    const char *dir = vt_dir_make();
-    struct vor_store *store = open_filled(dir);
+    struct vor_store *store = open_filled(vt_dir_make());
     struct vor_job_filter filter = {.limit = 20, .name = _i ? "nightly" : NULL};
     int least = INT_MAX, most = 0, listed = 0;
 
