@@ -19,9 +19,6 @@ enum {
     POLL_EVERY = 1 << 16 /* points */
 };
 
-/* Cubes that a surface of area 1 meets, of edge 1 (cloud/extent.c). */
-#define CUBES_OF_AREA 1.5
-
 /* How much wider cubes become when there are too many. */
 #define WIDER 1.25
 
@@ -160,7 +157,7 @@ static double edge_for(const struct side *side, double most)
 {
     double wanted = fmin(most, (double)side->cloud->n / EACH);
 
-    return sqrt(CUBES_OF_AREA * side->extent.area / wanted);
+    return sqrt(VOR_EXTENT_CUBES * side->extent.area / wanted);
 }
 
 /* Measures both clouds and chooses their cubes. */

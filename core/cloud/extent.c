@@ -6,10 +6,6 @@
 
 enum { EDGE_MIN = 2, EDGE_MAX = VOR_EXTENT_EDGE_MAX, POINTS_A_CUBE = 8 };
 
-/* Cubes that a surface of area 1 meets, of edge 1: the mean of |nx| + |ny| + |nz| over all
- * directions of its normal. */
-static const double CUBES_OF_AREA = 1.5;
-
 /* Area of a point's cell over the square of the spacing, in the hexagonal lattice. */
 static const double HEXAGON = 0.86602540378443864676;
 
@@ -58,7 +54,7 @@ static double area(const struct vor_extent_walk *walk)
 
     for (size_t i = 0; i < sizeof walk->seen / sizeof *walk->seen; i++)
         count += (unsigned)__builtin_popcountll(walk->seen[i]);
-    return count * cube * cube / CUBES_OF_AREA;
+    return count * cube * cube / VOR_EXTENT_CUBES;
 }
 
 void vor_extent_begin(struct vor_extent_walk *walk, const struct vor_cloud *cloud)

@@ -6,6 +6,10 @@
 
 #include <stdint.h>
 
+/** Cubes that a surface of area 1 meets, of edge 1: the mean of |nx| + |ny| + |nz| over all
+ *  directions of its normal. */
+#define VOR_EXTENT_CUBES 1.5
+
 enum { VOR_EXTENT_EDGE_MAX = 64 /**< cubes along an edge of the box */ };
 
 /** A box around a cloud in absolute coordinates, which both bounds belong to. Lengths are in the

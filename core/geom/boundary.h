@@ -48,7 +48,7 @@
  *     its sides.
  *  - EDGE's ramp alone has one constant, room growing as extent / (1 - extent / sight): delta of
  *     scannet 0.045 / 0.047*, of autzen 0.101 / 0.094, of the armadillo 0.0204 / 0.0201.
- *  - OUTSIDE asks from the foot as HOLE does, RIM towards the free side without VOR_RIM_SAME_WAY,
+ *  - OUTSIDE asks from the foot as HOLE does, RIM towards the free side without VOR_SAME_WAY,
  *     VOR_OUTSIDE_EVENING is IN_RESULT: delta of autzen
  * 0.101 / 0.096, of kitti 0.24 / 0.25, of square 0.024 / 0.022, of scannet, bunny, fandisk, cow and
  *     the armadillo within 3 %; border of kitti 752 / 1008. Neither a loss nor a gain is certain.
@@ -149,10 +149,6 @@
  *  At 1.3 / 1.6 / 2.2: border points of bunny 42 / 28 / 10, of fandisk 1 / 0 / 0, of square 147
  *  each. */
 #define VOR_RIM_RING 1.6
-/** Cosine of 60 degrees: at most that angle is between the way to that place and the way in which
- *  the input ends there. At 90 / 60 / 32 degrees: border points of square 145 / 147 / 131, of
- *  autzen 366 / 342 / 268. */
-#define VOR_RIM_SAME_WAY 0.5
 
 /* The functions below take neighbours as k x 3 floats, in the same coordinates as the place. They
  * cannot fail, and depend on nothing but their arguments. */

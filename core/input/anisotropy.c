@@ -92,7 +92,7 @@ static void smooth_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
         size_t other = graph->list[i * graph->most + j];
         double along = cosine(work, i, other);
 
-        if (!(fabs(along) >= VOR_TENSOR_SAME_FACE))
+        if (!(fabs(along) >= VOR_SAME_WAY))
             continue;
         for (size_t c = 0; c < 6; c++)
             sum[c] += along < 0 ? -work->bend[7 * other + c] : work->bend[7 * other + c];
@@ -145,7 +145,7 @@ static void even_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
     for (unsigned j = 0; j < graph->count[i]; j++) {
         size_t other = graph->list[i * graph->most + j];
 
-        for (size_t c = 0; fabs(cosine(work, i, other)) >= VOR_TENSOR_SAME_FACE && c < 6; c++)
+        for (size_t c = 0; fabs(cosine(work, i, other)) >= VOR_SAME_WAY && c < 6; c++)
             sum[c] += (double)out->tensor[6 * other + c];
     }
     vor_metric_axes(axis, normal);

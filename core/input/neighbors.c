@@ -44,17 +44,12 @@ enum {
  * 15.4 / 15.5 / 16.7, half 13.9 / 13.5 / 14.4. */
 #define FLUKE 1.1
 
-/* A pool estimates worse than all places. It takes fewer neighbours than all of them only if its
- * neighbourhoods are thinner than THIN times THICK and the error falls below WORTH_FEWER times,
- * more only if the error falls below WORTH_MORE times. */
-
-/* At 0.35 / 0.7 / 1 noise is 15.6 / 15.5 / 15.3 and half the same; points on 12 or 20 neighbours of
- * half 231 / 421 / 481. */
-#define THIN 0.7
-/* At 0.18 / 0.35 / 0.7: half 13.4 / 13.5 / 13.5. */
-#define WORTH_FEWER 0.35
-/* At 0.35 / 0.7 / 1: noise 15.4 / 15.5 / 15.1, half 13.8 / 13.5 / 13.3. */
-#define WORTH_MORE 0.7
+/* A pool estimates worse than all places. It takes more neighbours than all of them only if the
+ * error falls below SURE times, fewer only if it falls below half of that and the pool's
+ * neighbourhoods are thinner than SURE times THICK. At 0.35 / 0.7 / 1 for more: noise 15.4 / 15.5 /
+ * 15.1, half 13.8 / 13.5 / 13.3; for fewer: half 13.4 / 13.5 / 13.5; for thinner: noise 15.6 / 15.5
+ * / 15.3 and half the same. */
+#define SURE 0.7
 
 /* Share of the variance about a thick fit that the nearest EXACT points have about theirs, below
  * which that is no noise, but another sheet or an edge: of noise one in 300 has less. The steps of
@@ -212,7 +207,7 @@ static unsigned best_step(const struct survey *survey, const struct pool *pool, 
 static int worth_it(const struct survey *survey, const struct pool *pool, unsigned from, unsigned s,
                     unsigned usual)
 {
-    double noise = mean_of(survey->noise[from], pool), worth = s < usual ? WORTH_FEWER : WORTH_MORE;
+    double noise = mean_of(survey->noise[from], pool), worth = s < usual ? SURE / 2 : SURE;
     unsigned agree = 0;
 
     if (error_of(residual_of(survey, pool, s), s, noise) >
@@ -234,7 +229,7 @@ static unsigned local_step(const struct survey *survey, const struct pool *pool,
 {
     unsigned best;
 
-    while (from > 0 && thickness_of(survey, pool, from - 1) <= THIN * THICK)
+    while (from > 0 && thickness_of(survey, pool, from - 1) <= SURE * THICK)
         from--;
     best = best_step(survey, pool, from);
     return worth_it(survey, pool, from, best, usual) ? best : usual;

@@ -32,9 +32,9 @@ _Static_assert((int)PAIRED <= (int)VOR_VOTES_HEARD, "votes of all pairs are hear
 #define JOINED 0.1
 #define PARTED 0.3
 /* Distance of a point off the surface of another, in spacings, from which on they lie on two
- * sheets. Of pairs whose lists are sure, those on one sheet are less than 0.13 off in 99 of 100
- * cases (shell60k; 0.22 on arma2), those on two more than 0.24. */
-#define ACROSS 0.2
+ * sheets: midway. Of pairs whose lists are sure, those on one sheet are less than 0.13 off in 99 of
+ * 100 cases (shell60k; 0.22 on arma2), those on two more than 0.24. */
+#define ACROSS ((JOINED + PARTED) / 2)
 /* Longest way between such two, over that distance: farther away surfaces bend. At 2 / 4 / none
  * 298 / 214 / 231 wrong, 3 / 10 / 15 regions. */
 #define STEEP 4.0

@@ -1,6 +1,7 @@
 #include "core/input/ridges.h"
 
 #include "core/base/linalg.h"
+#include "core/geom/boundary.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,9 +14,6 @@ enum {
 
 /* Spacings within which feet count. */
 #define REACH 1.5
-
-/* Cosine of 37 degrees: between an edge and the way of a line that follows it. */
-#define ALONG 0.8
 
 /* Spacings: a line that is no longer than one foot counts for, either way, is none. */
 #define LEAST (2 * REACH)
@@ -96,7 +94,7 @@ static void ask(struct vote *vote, const struct follow *follow, const struct hea
             w[c] = (double)way[c];
         }
         cosine = vor_dot(w, head->way);
-        if (fabs(cosine) < ALONG)
+        if (fabs(cosine) < VOR_AHEAD_NARROW)
             continue;
         sign = cosine < 0 ? -1 : 1;
         for (int c = 0; c < 3; c++) {

@@ -19,7 +19,7 @@ static void add(struct sums *sums, const struct vor_tensors *tensors, uint32_t j
 
     for (int c = 0; c < 3; c++)
         cosine += (double)normal[c] * (double)like[c];
-    if (j != nearest && !(fabs(cosine) >= VOR_TENSOR_SAME_FACE))
+    if (j != nearest && !(fabs(cosine) >= VOR_SAME_WAY))
         return;
     for (int c = 0; c < 3; c++)
         sums->normal[c] += (cosine < 0 ? -weight : weight) * (double)normal[c];

@@ -9,11 +9,8 @@
 #define VOR_INPUT_TENSOR_H
 
 #include "core/geom/metric.h"
+#include "core/geom/surface.h"
 #include "core/knn/knn.h"
-
-/** Cosine between normals below which a point lies on another face, beyond a crease, and has no
- * part in the mean. */
-#define VOR_TENSOR_SAME_FACE 0.5
 
 /** The field; owns everything. All zero: no metric was asked for. */
 struct vor_tensors {

@@ -167,7 +167,7 @@ void vor_lop_beside_land(float *x, float *n, const struct vor_lop_beside *beside
         return;
     m = &beside->data->normal[3 * datum];
     /* Data between two sides less than 60 degrees apart may have planes of neither. */
-    if (vor_dotf(n, m) > 0.5) {
+    if (vor_dotf(n, m) > VOR_SAME_WAY) {
         if (self == SIZE_MAX)
             move_along(x, n, foot);
         return;

@@ -44,7 +44,7 @@ static void look_around(struct towards *out, const struct between *between, size
         for (unsigned j = 0; j < k; j++) {
             double cosine = vor_dotf(&normal[3 * i], &normal[3 * (size_t)index[j]]);
 
-            if (index[j] != i && (all || (distance2[j] > 0 && cosine >= (double)VOR_LOP_AWAY)))
+            if (index[j] != i && (all || (distance2[j] > 0 && cosine >= -VOR_SAME_WAY)))
                 out->index[out->count++] = index[j];
         }
     assert(out->count > 0); /* there are two points */

@@ -1,6 +1,7 @@
 #include "core/lop/edges.h"
 
 #include "core/base/linalg.h"
+#include "core/seeds/sites.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -16,8 +17,6 @@
  * / 0.95: a screw's thread, 40,000 points with noise to 6,000, delta 0.134 / 0.072 / 0.062 / 0.057.
  * At wedges of 90 to 155 degrees and on fandisk's edges points lie as near, and as even, at all. */
 #define TURNS 0.95
-/* Points of its own side that a point needs around it to be past its edge, at least. */
-#define PAST_OTHERS 3
 
 /* The nearest point around that is of another side: its place among those gathered, or -1. */
 static int other_side(const struct vor_lop_gathered *near, const float *normal)
@@ -28,7 +27,7 @@ static int other_side(const struct vor_lop_gathered *near, const float *normal)
         float n[3] = {near->normal[0][k], near->normal[1][k], near->normal[2][k]};
         double turned = vor_dotf(n, normal);
 
-        if (turned > VOR_LOP_EDGE_COSINE || turned < (double)VOR_LOP_AWAY)
+        if (turned > VOR_LOP_EDGE_COSINE || turned < -VOR_SAME_WAY)
             continue;
         if (best < 0 || near->distance2[k] < near->distance2[best] ||
             (near->distance2[k] <= near->distance2[best] && near->index[k] < near->index[best]))
@@ -80,7 +79,7 @@ static int lies_past(const struct vor_lop_edge *edge, const struct vor_lop_gathe
         others += beyond(edge, x);
         count++;
     }
-    return count > PAST_OTHERS && (own > 0) != (others - own > 0);
+    return count >= VOR_LOP_FEWEST && (own > 0) != (others - own > 0);
 }
 
 void vor_lop_edge_find(struct vor_lop_edge *out, const struct vor_lop_samples *samples, size_t i,
@@ -161,7 +160,7 @@ static vor_status put_one(struct vor_lop_tree *tree, struct vor_lop_samples *sam
 {
     struct vor_lop_gathered near;
 
-    vor_lop_tree_gather(&near, tree, edge->foot, VOR_LOP_EDGE_APART * spacing);
+    vor_lop_tree_gather(&near, tree, edge->foot, VOR_SITES_APART * spacing);
     if (near.count > 0)
         return VOR_OK;
     *on = 1;

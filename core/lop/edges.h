@@ -4,7 +4,7 @@
  *  Source: none of the papers. Insertion comes near edges and leaves half a spacing to either side
  *  of them. Where the normals around a point fall into two groups with nothing between, the planes
  *  of both sides meet in an edge (lop/latent.h). The points nearest to it are put onto it, one for
- *  each stretch of VOR_LOP_EDGE_APART spacings. */
+ *  each stretch of VOR_SITES_APART spacings. */
 #ifndef VOR_LOP_EDGES_H
 #define VOR_LOP_EDGES_H
 
@@ -21,9 +21,6 @@
 /** Spacings from a point to the edge that it is put onto, at most. At 0.9 / 1.2 / 1.5, 0.8 apart:
  *  1.6e-3 / 1.14e-3 / 0.97e-3, 0.044 / 0.045 / 0.045. */
 #define VOR_LOP_EDGE_NEAR 1.5
-/** Spacings between points of one edge, at least, when they are put there. At 0.65 / 0.8: 0.86e-3 /
- *  0.97e-3, 0.048 / 0.045. */
-#define VOR_LOP_EDGE_APART 0.7
 /** Spacings from another point on an edge at which a point no longer stays on one. Of scannet to
  * 20,000 with this 53 points are nearer than 0.1 spacings to another, without 187. */
 #define VOR_LOP_EDGE_CLOSE 0.4

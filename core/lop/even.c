@@ -233,7 +233,7 @@ static void push_from(struct push *push, const struct even *even, size_t i)
         push->nearest2 = fmin(push->nearest2, d2);
         if ((double)n[0] * (double)m[0] + (double)n[1] * (double)m[1] +
                 (double)n[2] * (double)m[2] <
-            (double)VOR_LOP_AWAY)
+            -VOR_SAME_WAY)
             continue;
         if (d2 > FORCE_REACH * FORCE_REACH * h2 || !(d2 > 0))
             continue;

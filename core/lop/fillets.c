@@ -13,10 +13,7 @@
  * diagonal, 30,000 points with noise of 0.5 %. Without fillets .383, .801; at GAIN 1 and all
  * neighbours in planes (lop/normals.c) .224, .280, with fewer radii tried (geom/fillet.c) and no
  * bound on points of third sides. */
-enum {
-    BLOCK = 64, /* points of a task */
-    FEWEST = 4  /* points of a side */
-};
+enum { BLOCK = 64 }; /* points of a task */
 
 /* Neighbours that a fillet is fitted to, over those of a fit: its sides show beside it. At 1.75 /
  * 3.5 / 5: .291, .277 / .236, .278 / .248, .280. */
@@ -81,7 +78,7 @@ static int64_t other_side(const struct fillets *fillets, size_t i)
     for (unsigned j = 0; j < fillets->lists->count[i]; j++) {
         double cosine = vor_dotf(normal_of(fillets, i), normal_of(fillets, list[j]));
 
-        if (cosine < VOR_LOP_EDGE_COSINE && cosine > (double)VOR_LOP_AWAY)
+        if (cosine < VOR_LOP_EDGE_COSINE && cosine > -VOR_SAME_WAY)
             return list[j];
     }
     return -1;
@@ -108,11 +105,11 @@ static int mean_side(double place[3], double normal[3], const struct fillets *fi
         }
     }
     length = sqrt(vor_dot(normal, normal));
-    for (int c = 0; c < 3 && count >= FEWEST; c++) {
+    for (int c = 0; c < 3 && count >= VOR_LOP_FEWEST; c++) {
         place[c] /= count;
         normal[c] /= length;
     }
-    return count >= FEWEST;
+    return count >= VOR_LOP_FEWEST;
 }
 
 /* Finds both sides among points. Returns whether there are two. */

@@ -125,7 +125,7 @@ static int has_pair(const struct insertion *insertion, uint32_t i, uint32_t j, d
 {
     double other = (double)insertion->reach[j];
 
-    if (i == j || vor_dotf(normal(insertion, i), normal(insertion, j)) < (double)VOR_LOP_AWAY)
+    if (i == j || vor_dotf(normal(insertion, i), normal(insertion, j)) < -VOR_SAME_WAY)
         return 0;
     if (stacked(insertion, i, j, distance2))
         return 0;

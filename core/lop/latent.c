@@ -135,7 +135,7 @@ static int holds(const struct fit *fit, const struct vor_lop_latent *latent,
 
         for (int c = 0; c < 3; c++)
             cosine += (double)end->normal[c] * (double)near->normal[c][i];
-        if (cosine >= (double)VOR_LOP_AWAY)
+        if (cosine >= -VOR_SAME_WAY)
             all += vor_lop_near((double)near->distance2[i], inverse);
     }
     return fit->weight >= SHARE * all;

@@ -29,9 +29,6 @@
 #define REACH_WLOP 1.5
 #define REACH_EAR 2.0
 
-/* Fewest points that others can be inserted between. */
-#define FEWEST 4
-
 /* Part of the samples that sides are looked for as if there were no more, where the points are
  * means: one mean for each sample, then. Of 22,000 normals of an armadillo with noise (lop.h) 23
  * face inwards, 35 without means. By lists that walks make 62, at 0.125 / 1 37 / 24, and 1.3 / 3.5
@@ -232,7 +229,7 @@ static int is_in_gap(const struct lop *lop, const float x[3])
     for (size_t c = 0; c < 3; c++)
         over += (double)lop->data.normal[3 * (size_t)index[0] + c] *
                 ((double)x[c] - (double)lop->domain->xyz[3 * (size_t)index[0] + c]);
-    return over * over < VOR_RIM_SAME_WAY * VOR_RIM_SAME_WAY * (double)gap2;
+    return over * over < VOR_SAME_WAY * VOR_SAME_WAY * (double)gap2;
 }
 
 /* Moves the samples in gaps to the end of an order. */
@@ -417,7 +414,7 @@ static size_t samples_of(const struct lop *lop, size_t n)
         samples = ceil(points / 2);
     else if (value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT)
         samples = fmin(samples, points);
-    return samples < (double)n ? (size_t)fmax(samples, fmin(FEWEST, (double)n)) : n;
+    return samples < (double)n ? (size_t)fmax(samples, fmin(VOR_LOP_FEWEST, (double)n)) : n;
 }
 
 /* Keeps the points of an input with edges to it; fits to a coarse one say nothing. */
@@ -452,7 +449,7 @@ static vor_status insert(struct lop *lop, size_t n, struct vor_error *err)
                                      .spec = lop->spec,
                                      .beside = beside_of(lop)};
 
-    if (n < FEWEST || (n == lop->samples.n && how.polish == 0))
+    if (n < VOR_LOP_FEWEST || (n == lop->samples.n && how.polish == 0))
         return VOR_OK;
     return vor_lop_insert(&lop->samples, n, &how, lop->domain, lop->told, lop->run, err);
 }

@@ -6,6 +6,10 @@
 
 #include <stddef.h>
 
+/** Fewest points that others are inserted between, and fewest of one side, each itself among them,
+ *  that say where it runs. */
+enum { VOR_LOP_FEWEST = 4 };
+
 /** Points, each itself among them, to the farthest of which the area around it is measured. */
 enum { VOR_LOP_AREA_OF = 12 };
 

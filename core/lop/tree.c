@@ -360,7 +360,7 @@ VOR_INLINE void to_lines2(float *restrict least, const struct vor_lop_base *base
 
         off2 = off2 > 0 ? off2 : 0;
         off2 = d2 <= radius2 ? off2 : INFINITY;
-        off2 = facing >= VOR_LOP_AWAY ? off2 : INFINITY;
+        off2 = facing >= (float)-VOR_SAME_WAY ? off2 : INFINITY;
         least[lane] = off2 < least[lane] ? off2 : least[lane];
     }
 }

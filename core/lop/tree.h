@@ -8,6 +8,7 @@
 #define VOR_LOP_TREE_H
 
 #include "core/base/run.h"
+#include "core/geom/surface.h"
 #include "core/lop/samples.h"
 
 #include <stddef.h>
@@ -22,10 +23,6 @@ enum {
     /** Points that are indexed, some 0.5 us each, from one look at the watch to the next. */
     VOR_LOP_POLL_EVERY = 4096
 };
-
-/** Cosine between normals, below which points face away from each other: 120 degrees. So the sides
- *  of an edge sharper than 60 degrees do not see each other. */
-#define VOR_LOP_AWAY (-0.5F)
 
 struct vor_lop_leaf;
 

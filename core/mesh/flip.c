@@ -41,7 +41,7 @@ static int face_alike(const float *xyz, const uint32_t before[2][3], const uint3
     length = sqrt(vor_dot(sum, sum));
     for (int t = 0; t < 2; t++) {
         vor_triangle_normal(n, xyz, after[t]);
-        if (!(vor_dot(n, sum) > VOR_TRIANGLE_TURNED * length * sqrt(vor_dot(n, n))))
+        if (!(vor_dot(n, sum) > VOR_SAME_WAY * length * sqrt(vor_dot(n, n))))
             return 0;
     }
     return 1;

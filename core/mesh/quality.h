@@ -2,6 +2,8 @@
 #ifndef VOR_MESH_QUALITY_H
 #define VOR_MESH_QUALITY_H
 
+#include "core/geom/surface.h"
+
 #include <stdint.h>
 
 /** Axes at a point: two in its tangent plane, and its normal. */
@@ -11,10 +13,6 @@ struct vor_frame {
 
 /** Axes for a unit normal; the first two point anywhere. */
 void vor_frame_of(struct vor_frame *out, const float normal[3]);
-
-/** Cosine between the normal of a triangle and that of what was there before: below it, it has
- * turned over. Of four points around a flipped edge: they are no convex quadrangle. */
-#define VOR_TRIANGLE_TURNED 0.5
 
 /** Q_t = 6 / sqrt(3) S / (p h) of a triangle of area S, half the perimeter p and longest edge h: 1
  *  where it is equilateral, 0 where it has no area. Frey and Borouchaki 1999, "Surface mesh quality

@@ -412,7 +412,7 @@ static int attempt(struct patch *trial, const struct patch *patch, enum operatio
     relax(trial, 2 * VOR_RELAX_STEPS);
     measure(trial);
     return trial->strain < patch->strain && trial->worst <= patch->worst &&
-           trial->along >= fmin(patch->along, VOR_TRIANGLE_TURNED);
+           trial->along >= fmin(patch->along, VOR_SAME_WAY);
 }
 
 /* Replaces the patch by the one on trial. The point that a collapse took away is *spare, that which

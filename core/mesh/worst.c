@@ -101,7 +101,7 @@ static int has_turned(const struct worst *worst, uint32_t i, double before[][3])
 
         vor_triangle_normal(normal, worst->seeds->xyz, &complex->triangle[3 * (size_t)at]);
         if (!(vor_dot(normal, before[t]) >
-              VOR_TRIANGLE_TURNED * sqrt(vor_dot(normal, normal) * vor_dot(before[t], before[t]))))
+              VOR_SAME_WAY * sqrt(vor_dot(normal, normal) * vor_dot(before[t], before[t]))))
             return 1;
     }
     return 0;

@@ -151,7 +151,7 @@ static int ends(const struct compare *compare, struct vor_scratch *scratch, cons
         return 0;
     for (int c = 0; c < 3; c++)
         end[c] = away[0] * foot->surface.axis[0][c] + away[1] * foot->surface.axis[1][c];
-    return vor_dot(end, side) > VOR_RIM_SAME_WAY;
+    return vor_dot(end, side) > VOR_SAME_WAY;
 }
 
 static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)

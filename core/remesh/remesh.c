@@ -129,7 +129,7 @@ static int holds(const struct remesh *remesh, uint32_t i, uint32_t j, const floa
         memcpy(at, x, 3 * sizeof *at);
         vor_triangle_normal(after, at, corner);
         if (!(vor_dot(before, after) >
-              VOR_TRIANGLE_TURNED * sqrt(vor_dot(before, before) * vor_dot(after, after))))
+              VOR_SAME_WAY * sqrt(vor_dot(before, before) * vor_dot(after, after))))
             return 0;
     }
     return 1;

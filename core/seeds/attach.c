@@ -320,7 +320,7 @@ static void hold_steep(struct vor_seeds *seeds, const struct vor_place *here, si
     most = fmax(most, here->surface.spacing);
     for (int a = 0; a < 3; a++)
         up[a] = vor_dot(here->surface.axis[a], way);
-    if (distance <= VOR_HOLE_INSIDE * most || fabs(up[2]) <= VOR_RIM_SAME_WAY ||
+    if (distance <= VOR_HOLE_INSIDE * most || fabs(up[2]) <= VOR_SAME_WAY ||
         vor_boundary_goes_on(here->near, here->k, foot, way, INFINITY))
         return;
     for (int c = 0; c < 3; c++)

@@ -39,7 +39,7 @@ VOR_NODISCARD vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_err
 
 /** Moves seeds that hang in the air beside the input, as fits at a tip or a sharp edge leave them,
  *  back to it: those farther from it than VOR_HOLE_INSIDE spacings (of input and result, the
- *  larger), where the way from the nearest input point is at most 60 degrees (VOR_RIM_SAME_WAY)
+ *  larger), where the way from the nearest input point is at most 60 degrees (VOR_SAME_WAY)
  *  from the normal of the nearest ones, and the input does not go on that way. They end
  *  VOR_HOLE_MARGIN spacings from that point. Where the input has sheets, only points of the seed's
  *  own count. Of eight solids and sheets from a modeller's vertices 365 points lay so, of which 299

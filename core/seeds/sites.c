@@ -21,9 +21,6 @@ enum {
     BLOCK = 64 /* places of one task */
 };
 
-/* Spacings of the result: sites of an edge nearer to one before stand for the same place. */
-#define SAME 0.7
-
 /* A line: places one after another. Lengths along it are over the spacing wanted there, where there
  * is a density. */
 struct line {
@@ -367,7 +364,7 @@ static vor_status add_sites(struct place_on *on, const struct walkers *walkers,
 
         vor_to_floats(to, x);
         if (on->is_edge &&
-            vor_cells_has(&on->cells, to, SAME * on->h * unit_at(&on->domain->field, x)))
+            vor_cells_has(&on->cells, to, VOR_SITES_APART * on->h * unit_at(&on->domain->field, x)))
             continue;
         status = vor_cells_add(&on->cells, to, err);
         sites->n += status == VOR_OK;
@@ -432,7 +429,7 @@ static vor_status add_lengths(struct place_on *on, const struct vor_loops *loops
     }
     on->h = VOR_HEXAGON_APART * spacing_for((double)on->n, area, length);
     on->cells.memory = on->sites->memory;
-    on->cells.wide = SAME * on->h * (vor_field_is(field) ? field->most : 1);
+    on->cells.wide = VOR_SITES_APART * on->h * (vor_field_is(field) ? field->most : 1);
     return VOR_OK;
 }
 

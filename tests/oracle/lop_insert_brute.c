@@ -67,7 +67,7 @@ static float to_line2(const struct twin *twin, size_t i, size_t j, size_t k)
     d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     along = n[0] * d[0] + n[1] * d[1] + n[2] * d[2];
     off = d2 - along * along;
-    if (d2 > half2 || fmaxf(with_a, with_b) < VOR_LOP_AWAY)
+    if (d2 > half2 || fmaxf(with_a, with_b) < (float)-VOR_SAME_WAY)
         return INFINITY;
     return off > 0 ? off : 0;
 }
@@ -119,7 +119,7 @@ static void find_pairs(struct twin *twin, size_t i, size_t end)
         if (i < twin->begun && others < VOR_LOP_REACH_PART * sqrt(d2))
             continue;
         if (i == j || d2 > own * own || (j > i && d2 <= others * others) ||
-            cosine(normal(twin, i), normal(twin, j)) < (double)VOR_LOP_AWAY)
+            cosine(normal(twin, i), normal(twin, j)) < -VOR_SAME_WAY)
             continue;
         for (size_t k = 0; k < end; k++)
             pair.clearance2 = fminf(pair.clearance2, to_line2(twin, i, j, k));
