@@ -98,7 +98,7 @@ static double fit(struct hood *hood, unsigned k)
     double far2 = 0, total = 0;
 
     for (unsigned j = 0; j < k; j++)
-        far2 = fmax(far2, hood->distance2[j]);
+        far2 = hood->distance2[j] > far2 ? hood->distance2[j] : far2; /* fmax is a call */
     hood->far2 = far2;
     for (unsigned j = 0; j < k; j++) {
         double inside = 1 - hood->distance2[j] / (1.001 * far2);
@@ -143,7 +143,11 @@ static int fit_scattered(struct hood *hood, double variance, const struct vor_do
         !(variance > VOR_SURFACE_THICK * VOR_SURFACE_THICK * hood->far2))
         return 0;
     wide.k = domain->n < VOR_NEIGHBORS_MAX ? (unsigned)domain->n : VOR_NEIGHBORS_MAX;
-    vor_knn_search(domain->knn, &domain->xyz[3 * i], 1, wide.k, index, distance2);
+    vor_knn_search_near(
+        domain->knn,
+        &(struct vor_knn_near){&domain->xyz[3 * i], 1, wide.k, NULL,
+                               vor_knn_near_guess((float)hood->far2, hood->k, wide.k)},
+        index, distance2);
     if (!(hood->far2 * wide.k > SCATTERED * hood->k * (double)distance2[wide.k - 1]))
         return 0;
     gather(&wide, domain, i, index);
@@ -180,19 +184,22 @@ static void project_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsign
     const struct vor_domain *domain = pass->domain;
     uint32_t index[VOR_KNN_NEAR_MAX * VOR_NEIGHBORS_MAX];
     float distance2[VOR_KNN_NEAR_MAX * VOR_NEIGHBORS_MAX];
+    struct vor_knn_near near = {.k = 1};
 
     for (size_t i = begin, count; i < end; i += count) {
         unsigned k[VOR_KNN_NEAR_MAX], most = 0;
 
         count = end - i < VOR_KNN_NEAR_MAX ? end - i : VOR_KNN_NEAR_MAX;
+        near.queries = &domain->xyz[3 * i];
+        near.count = count;
         for (size_t j = 0; j < count; j++) {
             k[j] = wanted(domain, i + j);
             most = k[j] > most ? k[j] : most;
         }
+        near.guess *= (float)most / (float)near.k;
+        near.k = most;
         if (!vor_graph_is(&domain->graph))
-            vor_knn_search_near(domain->knn,
-                                &(struct vor_knn_near){&domain->xyz[3 * i], count, most, NULL},
-                                index, distance2);
+            vor_knn_search_near(domain->knn, &near, index, distance2);
         for (size_t j = 0; j < count; j++)
             project_point(pass, i + j, k[j], &index[j * most]);
     }

@@ -210,7 +210,7 @@ static void vote_around(struct restore *restore, const uint32_t *at, size_t coun
     struct hood hood;
 
     vor_gather(query, domain->xyz, at, count);
-    vor_knn_search_near(domain->knn, &(struct vor_knn_near){query, count, WIDE, NULL}, index,
+    vor_knn_search_near(domain->knn, &(struct vor_knn_near){query, count, WIDE, NULL, 0}, index,
                         distance2);
     for (size_t i = 0; i < count; i++) {
         const double *cell = cell_at(restore, at[i]);

@@ -1,5 +1,7 @@
 #include "core/knn/input_lists.h"
 
+#include "core/base/stat.h"
+
 #include <assert.h>
 #include <math.h>
 #include <string.h>
@@ -20,10 +22,23 @@ static unsigned width(const struct vor_input_lists *lists, unsigned k)
     return wide < lists->m ? wide : (unsigned)lists->m;
 }
 
+/* Forgets every list, and finds how far the next ones are likely to extend: the median at a few
+ * places. Where it is wrong, only time is lost. */
 static void forget(struct vor_input_lists *lists)
 {
+    uint32_t index[VOR_KNN_NEAR_MAX];
+    float distance2[VOR_KNN_NEAR_MAX], far2[VOR_KNN_NEAR_MAX];
+
     for (size_t i = 0; i < lists->n; i++)
         lists->reach[i] = -1;
+    lists->tried = lists->m < VOR_KNN_NEAR_MAX ? (unsigned)lists->m : VOR_KNN_NEAR_MAX;
+    for (size_t i = 0; i < VOR_KNN_NEAR_MAX; i++) {
+        vor_knn_search(lists->knn, &lists->reference[3 * (i * lists->m / VOR_KNN_NEAR_MAX)], 1,
+                       lists->tried, index, distance2);
+        far2[i] = distance2[lists->tried - 1];
+    }
+    vor_sort_floats(far2, VOR_KNN_NEAR_MAX);
+    lists->far2 = far2[VOR_KNN_NEAR_MAX / 2];
 }
 
 vor_status vor_input_lists_init(struct vor_input_lists *out, size_t n,
@@ -135,12 +150,12 @@ static unsigned select(const struct vor_input_lists *lists, size_t i, unsigned k
 
 enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists, size_t i,
                                                   const float x[3], unsigned k,
-                                                  const uint32_t **index,
-                                                  struct vor_knn_last *before)
+                                                  const uint32_t **index)
 {
     uint32_t *list = &lists->list[i * lists->wide];
     float distance2[WIDE_MAX], within = INFINITY;
     unsigned wide = width(lists, k);
+    struct vor_knn_near near = {x, 1, wide, NULL, 0};
 
     assert(k >= 1 && k <= lists->most);
     *index = list;
@@ -159,11 +174,9 @@ enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists,
     /* The points of the list that is given up are still as many, so far from here at most. */
     if (lists->reach[i] >= 0 && wide <= lists->has[i])
         within = lists->reach[i] + sqrtf(squared(&lists->anchor[3 * i], x));
-    if (within < INFINITY)
-        vor_knn_search_near(lists->knn, &(struct vor_knn_near){x, 1, wide, &within},
-                            &lists->list[i * lists->wide], distance2);
-    else
-        vor_knn_search_next(lists->knn, before, x, wide, list, distance2);
+    near.within = within < INFINITY ? &within : NULL;
+    near.guess = vor_knn_near_guess(lists->far2, lists->tried, wide);
+    vor_knn_search_near(lists->knn, &near, list, distance2);
     memcpy(&lists->anchor[3 * i], x, 3 * sizeof *x);
     lists->reach[i] = wide < lists->m ? sqrtf(distance2[wide - 1]) : INFINITY;
     lists->k[i] = (uint16_t)k;

@@ -24,6 +24,8 @@ struct vor_input_lists {
     float *anchor;          /* n x 3: where the query was when its list was made */
     float *reach;           /* n: points not in the list are at least this far from the anchor; < 0:
                                no list */
+    unsigned tried;         /* so many points are, squared, that far from one of them, as a rule */
+    float far2;
 };
 
 /** What lists are made of. */
@@ -65,15 +67,12 @@ enum vor_input_lists_found {
  *
  *  @param[out] index  vor_input_lists_count points, k but for lists that were narrowed: the nearest
  *                     first, the others in no order; valid until the next search for i
- *  @param[in,out] before  the last query for which the index was searched, best one that was near
- *                     this one; k = 0: there is none. The answer does not depend on it
  *
  *  Cannot fail. O(k), O(k log m) with a new list. Different threads may ask for different queries;
  *  the answer depends only on the moves and ks of query i. */
 enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists, size_t i,
                                                   const float x[3], unsigned k,
-                                                  const uint32_t **index,
-                                                  struct vor_knn_last *before);
+                                                  const uint32_t **index);
 
 /** Leaves only some of the points around query i to its list, until that is made anew: searches
  * find the nearest of those, and fewer than k where there are fewer.

@@ -183,8 +183,8 @@ static void search_within(const struct vor_knn *knn, const float query[3], unsig
     name(knn, index, k);
 }
 
-void vor_knn_search_near(const struct vor_knn *knn, const struct vor_knn_near *near,
-                         uint32_t *index, float *distance2)
+void vor_knn_search_near(const struct vor_knn *knn, struct vor_knn_near *near, uint32_t *index,
+                         float *distance2)
 {
     if (knn->boxes == NULL) {
         vor_knn_search(knn, near->queries, near->count, near->k, index, distance2);

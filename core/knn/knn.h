@@ -91,8 +91,8 @@ void vor_knn_search_next(const struct vor_knn *knn, struct vor_knn_last *last, c
  * these, halves of the queries are searched for; by FLANN each alone. Of points that are equally
  * far, as on a lattice, it takes the first ones in the index, where a search alone takes those it
  * meets first. */
-void vor_knn_search_near(const struct vor_knn *knn, const struct vor_knn_near *near,
-                         uint32_t *index, float *distance2);
+void vor_knn_search_near(const struct vor_knn *knn, struct vor_knn_near *near, uint32_t *index,
+                         float *distance2);
 
 /** Finds the parts of a cloud that are clear of each other. Points within `distance` of each other
  *  are in one part. So are the points of a box of the tree at most four distances wide, and those

@@ -1,10 +1,10 @@
 /* The tree is walked once, for the box around all queries; of the points that this finds, each
  * query picks its own by comparing all distances at once, and sorts them by counting how many are
  * less. Both are a pass over lanes, where a search of the tree mispredicts branches. How far to
- * look is guessed from what the first query finds in the tree; one that finds too few goes there,
- * too. Of 100,000 points on igea the 9, 20, 32 and 120 nearest take .44, .73, .73 and 2.6 us each,
- * by the tree .62, 1.0, 1.4 and 4.9, and where it is known how far they are .23, .31, .37 and 1.3.
- */
+ * look is guessed from what the last queries found, or what the first one finds in the tree; one
+ * that finds too few looks farther. Of 100,000 points on igea the 9, 20, 32 and 120 nearest take
+ * .44, .73, .73 and 2.6 us each by a first query's guess, by the tree .62, 1.0, 1.4 and 4.9, and
+ * where it is known how far they are .23, .31, .37 and 1.3. */
 #include "core/knn/knn_near.h"
 
 #include "core/base/linalg.h"
@@ -27,6 +27,11 @@ enum {
 };
 
 #define GUESS 1.1F
+
+float vor_knn_near_guess(float far2, unsigned had, unsigned k)
+{
+    return GUESS * GUESS * far2 * (float)(k + MORE) / (float)had;
+}
 
 /* What is found around the queries. */
 struct around {
@@ -221,23 +226,49 @@ VOR_CLONES static int pick(const struct around *around, const float q[3], float 
     return 1;
 }
 
-void vor_boxes_search_near(const struct vor_boxes *boxes, const struct vor_knn_near *near,
+/* How far, squared, the k-th points of the queries may be, by what the first one finds. */
+static float guess_by_first(const struct vor_boxes *boxes, const struct vor_knn_near *near)
+{
+    uint32_t index[ROOM];
+    float distance2[ROOM];
+    unsigned last = near->k + MORE <= boxes->n ? near->k + MORE - 1 : near->k - 1;
+
+    last = last < ROOM ? last : ROOM - 1;
+    vor_boxes_search(boxes, near->queries, last + 1, INFINITY, index, distance2);
+    return GUESS * GUESS * distance2[last];
+}
+
+/* The k nearest of a query that has fewer within a squared distance: looks twice as far, squared,
+ * again and again. */
+static void widen(const struct vor_boxes *boxes, const float q[3], float most2, unsigned k,
+                  uint32_t *index, float *distance2)
+{
+    const struct extent box = {{q[0], q[1], q[2]}, {q[0], q[1], q[2]}};
+    struct around around;
+
+    do {
+        most2 *= 2;
+        around.count = 0;
+        gather(&around, boxes, &box, most2);
+        if (around.count > ROOM) {
+            vor_boxes_search(boxes, q, k, INFINITY, index, distance2);
+            return;
+        }
+    } while (!pick(&around, q, most2, k, index, distance2));
+}
+
+void vor_boxes_search_near(const struct vor_boxes *boxes, struct vor_knn_near *near,
                            uint32_t *index, float *distance2)
 {
     struct extent box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    float most2[VOR_KNN_NEAR_MAX], far = INFINITY, widest2 = 0;
+    float most2[VOR_KNN_NEAR_MAX], far = 0, widest2 = 0, sum2 = 0;
     struct around around;
     unsigned k = near->k;
-    int wide = 0;
+    int wide = 0, guessed = near->within == NULL && near->guess > 0;
 
     around.count = 0;
-    if (near->within == NULL) {
-        unsigned last = k + MORE <= boxes->n ? k + MORE - 1 : k - 1;
-
-        last = last < ROOM ? last : ROOM - 1;
-        vor_boxes_search(boxes, near->queries, last + 1, INFINITY, around.index, around.xyz[0]);
-        far = GUESS * sqrtf(around.xyz[0][last]);
-    }
+    if (near->within == NULL)
+        far = sqrtf(guessed ? near->guess : guess_by_first(boxes, near));
     for (size_t i = 0; i < near->count; i++) {
         const float *at = &near->queries[3 * i];
         float most = near->within != NULL ? near->within[i] : far;
@@ -252,21 +283,27 @@ void vor_boxes_search_near(const struct vor_boxes *boxes, const struct vor_knn_n
     gather(&around, boxes, &box, widest2);
     for (int c = 0; c < 3; c++)
         wide |= box.low[c] < box.high[c];
-    if (around.count > ROOM && wide) { /* else halves would find as many */
-        size_t few = near->count / 2;
-        struct vor_knn_near half = {near->queries, few, k, near->within};
+    if (around.count > ROOM && (wide || guessed)) { /* else halves would find as many */
+        size_t few = guessed ? near->count : near->count / 2;
+        struct vor_knn_near part = {near->queries, few, k, near->within, 0};
 
-        vor_boxes_search_near(boxes, &half, index, distance2);
-        half.queries += 3 * few;
-        half.within += half.within != NULL ? few : 0;
-        half.count = near->count - few;
-        vor_boxes_search_near(boxes, &half, &index[few * k], &distance2[few * k]);
+        vor_boxes_search_near(boxes, &part, index, distance2);
+        near->guess = part.guess;
+        if (guessed)
+            return;
+        part = (struct vor_knn_near){&near->queries[3 * few], near->count - few, k,
+                                     near->within != NULL ? &near->within[few] : NULL, 0};
+        vor_boxes_search_near(boxes, &part, &index[few * k], &distance2[few * k]);
         return;
     }
-    for (size_t i = 0; i < near->count; i++)
-        if (around.count > ROOM ||
-            !pick(&around, &near->queries[3 * i], most2[i], k, &index[i * k], &distance2[i * k]))
-            vor_boxes_search(boxes, &near->queries[3 * i], k,
-                             around.count > ROOM ? sqrtf(most2[i]) : INFINITY, &index[i * k],
-                             &distance2[i * k]);
+    for (size_t i = 0; i < near->count; i++) {
+        const float *q = &near->queries[3 * i];
+
+        if (around.count > ROOM)
+            vor_boxes_search(boxes, q, k, sqrtf(most2[i]), &index[i * k], &distance2[i * k]);
+        else if (!pick(&around, q, most2[i], k, &index[i * k], &distance2[i * k]))
+            widen(boxes, q, most2[i], k, &index[i * k], &distance2[i * k]);
+        sum2 += distance2[(i + 1) * k - 1];
+    }
+    near->guess = vor_knn_near_guess(sum2 / (float)near->count, k, k);
 }

@@ -17,10 +17,16 @@ struct vor_knn_near {
     size_t count;         /**< 1 .. VOR_KNN_NEAR_MAX */
     unsigned k;
     const float *within; /**< count: as for vor_boxes_search; NULL: not known */
+    float guess; /**< how far, squared, the k-th may be, which costs time where it is wrong; set for
+                      the next queries. 0: not known */
 };
 
+/** How far, squared, the k-th point of a query may be, if the last of `had` is so far in its
+ *  vicinity. */
+float vor_knn_near_guess(float far2, unsigned had, unsigned k);
+
 /** vor_knn_search_near. */
-void vor_boxes_search_near(const struct vor_boxes *boxes, const struct vor_knn_near *near,
+void vor_boxes_search_near(const struct vor_boxes *boxes, struct vor_knn_near *near,
                            uint32_t *index, float *distance2);
 
 #endif

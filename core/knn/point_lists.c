@@ -102,7 +102,7 @@ static void index_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
     uint32_t index[VOR_KNN_NEAR_MAX * (VOR_POINT_LISTS_LISTED_MAX + 1)];
     float distance2[VOR_KNN_NEAR_MAX * (VOR_POINT_LISTS_LISTED_MAX + 1)];
     float query[3 * VOR_KNN_NEAR_MAX], within[VOR_KNN_NEAR_MAX];
-    struct vor_knn_near near = {query, 0, width, indexing->again ? within : NULL};
+    struct vor_knn_near near = {query, 0, width, indexing->again ? within : NULL, 0};
 
     for (size_t from = begin; from < end; from += near.count) {
         near.count = end - from < VOR_KNN_NEAR_MAX ? end - from : VOR_KNN_NEAR_MAX;

@@ -117,8 +117,7 @@ static double gather(struct vor_lop_data *out, struct project *project, size_t i
     const uint32_t *index;
     double far2 = 0;
 
-    (void)vor_input_lists_search(&project->near_data, i, x, project->k, &index,
-                                 &(struct vor_knn_last){.k = 0});
+    (void)vor_input_lists_search(&project->near_data, i, x, project->k, &index);
     out->count = project->k;
     for (unsigned j = 0; j < project->k; j++) {
         size_t at = index[j];

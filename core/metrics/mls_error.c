@@ -58,7 +58,7 @@ static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
     const uint32_t *order = vor_knn_order(of->knn);
     uint32_t index[PLANE * VOR_KNN_NEAR_MAX];
     float query[3 * VOR_KNN_NEAR_MAX], distance2[PLANE * VOR_KNN_NEAR_MAX];
-    struct vor_knn_near near = {query, 0, k, NULL};
+    struct vor_knn_near near = {query, 0, k, NULL, 0};
     double far2 = 0;
 
     for (size_t i = begin; i < end; i += near.count) {
@@ -132,7 +132,7 @@ static void error_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
     struct vor_sums sums = {0};
     uint32_t index[NEAREST * VOR_KNN_NEAR_MAX];
     float query[3 * VOR_KNN_NEAR_MAX], distance2[NEAREST * VOR_KNN_NEAR_MAX];
-    struct vor_knn_near near = {query, 0, NEAREST, NULL};
+    struct vor_knn_near near = {query, 0, NEAREST, NULL, 0};
 
     for (size_t i = begin; i < end; i += near.count) {
         near.count = end - i < VOR_KNN_NEAR_MAX ? end - i : VOR_KNN_NEAR_MAX;

@@ -73,7 +73,7 @@ static void nearest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsign
     const uint32_t *order = vor_knn_order(search->knn);
     uint32_t index[2 * VOR_KNN_NEAR_MAX], of[VOR_KNN_NEAR_MAX];
     float query[3 * VOR_KNN_NEAR_MAX], distance2[2 * VOR_KNN_NEAR_MAX];
-    struct vor_knn_near near = {query, 0, 2, NULL};
+    struct vor_knn_near near = {query, 0, 2, NULL, 0};
 
     for (size_t i = begin; i < end; i += near.count) {
         near.count = end - i < VOR_KNN_NEAR_MAX ? end - i : VOR_KNN_NEAR_MAX;

@@ -46,7 +46,7 @@ static void in_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned wo
     struct vor_sums sums = {0};
     uint32_t index[VOR_KNN_NEAR_MAX];
     float query[3 * VOR_KNN_NEAR_MAX], distance2[VOR_KNN_NEAR_MAX];
-    struct vor_knn_near near = {query, 0, 1, NULL};
+    struct vor_knn_near near = {query, 0, 1, NULL, 0};
 
     for (size_t i = begin; i < end; i += near.count) {
         near.count = end - i < VOR_KNN_NEAR_MAX ? end - i : VOR_KNN_NEAR_MAX;

@@ -25,7 +25,6 @@ struct vor_scratch {
     struct vor_cell cell;
     struct vor_stretch stretch;           /**< with a metric: that of the cell */
     double radius;                        /**< of the patch; with a metric, in that */
-    struct vor_knn_last last;             /**< seed for which a list of input points was made */
     uint64_t queries;                     /**< searches of either index */
     uint64_t cells, bisectors, triangles; /**< cells computed, planes that cut them, triangles of
                                                their patches */

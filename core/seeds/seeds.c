@@ -259,7 +259,7 @@ static enum vor_input_lists_found search(struct vor_seeds *seeds, struct vor_scr
     enum vor_input_lists_found found;
 
     if (last->k > 0) {
-        found = vor_input_lists_search(&seeds->input_lists, i, x, last->k, index, &scratch->last);
+        found = vor_input_lists_search(&seeds->input_lists, i, x, last->k, index);
         if (found != VOR_INPUT_LISTS_ANEW)
             return found;
         scratch->queries++;
@@ -268,7 +268,7 @@ static enum vor_input_lists_found search(struct vor_seeds *seeds, struct vor_scr
     }
     last->k = (uint16_t)asked(seeds, x);
     scratch->queries++;
-    return vor_input_lists_search(&seeds->input_lists, i, x, last->k, index, &scratch->last);
+    return vor_input_lists_search(&seeds->input_lists, i, x, last->k, index);
 }
 
 enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i)

@@ -13,7 +13,6 @@ struct walk {
     struct vor_cloud cloud;
     struct vor_knn *knn;
     struct vor_input_lists near;
-    struct vor_knn_last before;
     float at[QUERIES][3];
     uint32_t last[QUERIES][K_MAX]; /* what each query found last, sorted */
     size_t found[3], kept;         /* by what was said; sets that were those of the last search */
@@ -30,7 +29,7 @@ static void start(struct walk *walk, uint64_t seed, size_t n, unsigned k, int st
     of.reference = walk->cloud.xyz;
     vt_assert_ok(vor_input_lists_init(&walk->near, QUERIES, &of, &vt_memory, &vt_err));
     walk->k = k;
-    walk->kept = walk->before.k = 0;
+    walk->kept = 0;
     memset(walk->found, 0, sizeof walk->found);
     memset(walk->last, 0xff, sizeof walk->last); /* no point's number */
     for (size_t i = 0; i < QUERIES; i++)
@@ -89,7 +88,7 @@ static enum vor_input_lists_found check_query(struct walk *walk, size_t i)
     uint32_t brute[K_MAX];
     float found[K_MAX], expected[K_MAX];
     enum vor_input_lists_found how =
-        vor_input_lists_search(&walk->near, i, walk->at[i], walk->k, &index, &walk->before);
+        vor_input_lists_search(&walk->near, i, walk->at[i], walk->k, &index);
     unsigned twice = 0;
     int same = same_set(walk, i, index);
 
@@ -206,8 +205,7 @@ VT_TEST_LOOP(a_narrowed_list_finds_the_nearest_of_its_own, 2)
         vor_input_lists_narrow(&walk.near, i, walk.at[i], own, count, sqrtf(d2[89]));
         for (size_t c = 0; c < 3; c++)
             x[c] = walk.at[i][c] + 0.003F;
-        if (vor_input_lists_search(&walk.near, i, x, k, &index, &walk.before) ==
-            VOR_INPUT_LISTS_ANEW)
+        if (vor_input_lists_search(&walk.near, i, x, k, &index) == VOR_INPUT_LISTS_ANEW)
             continue;
         ck_assert_uint_eq(vor_input_lists_count(&walk.near, i), count < k ? count : k);
         for (unsigned j = 0; j < count; j++) {

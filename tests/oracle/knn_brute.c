@@ -138,7 +138,7 @@ static void compare_near(const float *xyz, size_t n, unsigned k)
 {
     size_t count = n < VOR_KNN_NEAR_MAX ? n : VOR_KNN_NEAR_MAX;
     float query[3 * VOR_KNN_NEAR_MAX], within[VOR_KNN_NEAR_MAX];
-    struct vor_knn_near near = {query, count, k, NULL};
+    struct vor_knn_near near = {query, count, k, NULL, 0};
     float *d2 = vor_malloc(&vt_memory, 2 * count, k * sizeof *d2);
     uint32_t *index = vor_malloc(&vt_memory, count, k * sizeof *index);
     struct vor_knn *knn;
