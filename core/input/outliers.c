@@ -24,8 +24,8 @@ enum {
     POINTED = 6,
     /* Most searches. Here the first finds all; two outliers side by side need another. */
     LOOKS = 3,
-    BLOCK = 4096,         /* points of one task */
-    CLOSER_BLOCK = 256,   /* the same of what fits to each */
+    BLOCK = 256,          /* points of one task */
+    ROW_BLOCK = 4096,     /* the same of what is quick */
     WIDTH = NEIGHBORS + 1 /* of a list of the nearest, the point itself the first of them */
 };
 
@@ -48,6 +48,7 @@ enum {
 /* One search of all points. */
 struct look {
     const struct vor_domain *domain;
+    int closer;                /* surfaces are fitted */
     double sparse2;            /* square of the reach from which a point may be scattered */
     _Atomic uint32_t *pointed; /* how many points have this one among their nearest */
     unsigned char *is_out;     /* 1 for each outlier */
@@ -83,46 +84,6 @@ static int is_scattered(const struct look *look, const uint32_t *index, double r
            surface.off2 > VOR_SURFACE_THICK * VOR_SURFACE_THICK * reach2;
 }
 
-/* Lists of the points from `begin` on, which lie near each other. Returns of how many, up to `end`.
- */
-static size_t list(const struct vor_domain *domain, size_t begin, size_t end, uint32_t *index,
-                   float *distance2)
-{
-    size_t count = end - begin < VOR_KNN_NEAR_MAX ? end - begin : VOR_KNN_NEAR_MAX;
-
-    vor_knn_search_near(domain->knn,
-                        &(struct vor_knn_near){&domain->xyz[3 * begin], count, WIDTH, NULL}, index,
-                        distance2);
-    return count;
-}
-
-static void point_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
-{
-    const struct look *look = ctx;
-    uint32_t index[VOR_KNN_NEAR_MAX * WIDTH];
-    float distance2[VOR_KNN_NEAR_MAX * WIDTH];
-
-    for (size_t count; begin < end; begin += count) {
-        count = list(look->domain, begin, end, index, distance2);
-        for (size_t i = 0; i < count; i++) {
-            const uint32_t *nearest = &index[i * WIDTH];
-
-            for (size_t j = 0; j < WIDTH; j++)
-                if (nearest[j] != begin + i)
-                    atomic_fetch_add_explicit(&look->pointed[nearest[j]], 1, memory_order_relaxed);
-            look->is_out[begin + i] = (unsigned char)is_scattered(
-                look, nearest, (double)distance2[i * WIDTH + NEIGHBORS]);
-        }
-    }
-}
-
-static void judge_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
-{
-    const struct look *look = ctx;
-
-    look->is_out[i] |= atomic_load_explicit(&look->pointed[i], memory_order_relaxed) < POINTED;
-}
-
 /* Whether point i lies off the surface of the listed points, without itself. */
 static int is_off(const struct vor_domain *domain, size_t i, const uint32_t index[WIDTH])
 {
@@ -147,30 +108,58 @@ static int is_off(const struct vor_domain *domain, size_t i, const uint32_t inde
            off2 > APART * APART * surface.spacing * surface.spacing;
 }
 
-/* Off the surface around itself, or around the point nearest to it. */
-static void look_closer_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+/* Whether point i lies off the surface around itself, or around the point nearest to it. Lists are
+ * those of the points from `begin` on, before `end`. */
+static int is_off_either(const struct vor_domain *domain, size_t i, const uint32_t *lists,
+                         size_t begin, size_t end)
+{
+    const uint32_t *own = &lists[(i - begin) * WIDTH], *around = own;
+    size_t nearest = own[0] != i ? own[0] : own[1];
+    uint32_t other[WIDTH];
+    float distance2[WIDTH];
+
+    if (is_off(domain, i, own))
+        return 1;
+    if (nearest >= begin && nearest < end) {
+        around = &lists[(nearest - begin) * WIDTH];
+    } else {
+        vor_knn_search(domain->knn, &domain->xyz[3 * nearest], 1, WIDTH, other, distance2);
+        around = other;
+    }
+    return is_off(domain, i, around);
+}
+
+static void point_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct look *look = ctx;
-    const struct vor_domain *domain = look->domain;
-    uint32_t all[CLOSER_BLOCK * WIDTH], other[WIDTH];
-    float distance2[VOR_KNN_NEAR_MAX * WIDTH];
+    uint32_t index[BLOCK * WIDTH];
+    float distance2[BLOCK * WIDTH];
+    struct vor_knn_near near = {.k = WIDTH};
 
-    for (size_t i = begin; i < end;)
-        i += list(domain, i, end, &all[(i - begin) * WIDTH], distance2);
-    for (size_t i = begin; i < end; i++) {
-        const uint32_t *own = &all[(i - begin) * WIDTH], *around = other;
-        size_t nearest = own[0] != i ? own[0] : own[1];
-
-        if (!look->is_out[i])
-            look->is_out[i] = (unsigned char)is_off(domain, i, own);
-        if (look->is_out[i])
-            continue;
-        if (nearest >= begin && nearest < end)
-            around = &all[(nearest - begin) * WIDTH];
-        else
-            vor_knn_search(domain->knn, &domain->xyz[3 * nearest], 1, WIDTH, other, distance2);
-        look->is_out[i] = (unsigned char)is_off(domain, i, around);
+    for (size_t i = begin; i < end; i += near.count) { /* which lie near each other */
+        near.queries = &look->domain->xyz[3 * i];
+        near.count = end - i < VOR_KNN_NEAR_MAX ? end - i : VOR_KNN_NEAR_MAX;
+        vor_knn_search_near(look->domain->knn, &near, &index[(i - begin) * WIDTH],
+                            &distance2[(i - begin) * WIDTH]);
     }
+    for (size_t i = begin; i < end; i++) {
+        const uint32_t *nearest = &index[(i - begin) * WIDTH];
+
+        for (size_t j = 0; j < WIDTH; j++)
+            if (nearest[j] != i)
+                atomic_fetch_add_explicit(&look->pointed[nearest[j]], 1, memory_order_relaxed);
+        look->is_out[i] =
+            (unsigned char)(is_scattered(look, nearest,
+                                         (double)distance2[(i - begin) * WIDTH + NEIGHBORS]) ||
+                            (look->closer && is_off_either(look->domain, i, index, begin, end)));
+    }
+}
+
+static void judge_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
+{
+    const struct look *look = ctx;
+
+    look->is_out[i] |= atomic_load_explicit(&look->pointed[i], memory_order_relaxed) < POINTED;
 }
 
 /* Adds `count` points of the domain to those aside. */
@@ -203,8 +192,7 @@ static vor_status put_aside(struct vor_outliers *aside, size_t count, const stru
 }
 
 /* Finds the outliers of one look. */
-static vor_status search(struct look *look, int closer, const struct vor_run *run,
-                         struct vor_error *err)
+static vor_status search(struct look *look, const struct vor_run *run, struct vor_error *err)
 {
     size_t n = look->domain->n;
     vor_status status;
@@ -215,9 +203,7 @@ static vor_status search(struct look *look, int closer, const struct vor_run *ru
         return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     find_sparse(look);
     status = vor_run_for(run, n, BLOCK, point_block, look, err);
-    VOR_THEN(status, vor_run_rows(run, n, BLOCK, judge_row, look, err));
-    if (status == VOR_OK && closer)
-        status = vor_run_for(run, n, CLOSER_BLOCK, look_closer_block, look, err);
+    VOR_THEN(status, vor_run_rows(run, n, ROW_BLOCK, judge_row, look, err));
     return status;
 }
 
@@ -225,13 +211,13 @@ static vor_status search(struct look *look, int closer, const struct vor_run *ru
 static vor_status take(struct vor_domain *domain, size_t *taken, struct vor_outliers *aside,
                        int closer, const struct vor_run *run, struct vor_error *err)
 {
-    struct look look = {.domain = domain};
+    struct look look = {.domain = domain, .closer = closer};
     vor_status status;
 
     *taken = 0;
     if (domain->n < VOR_DOMAIN_FEW)
         return VOR_OK;
-    status = search(&look, closer, run, err);
+    status = search(&look, run, err);
     if (status == VOR_OK)
         for (size_t i = 0; i < domain->n; i++)
             *taken += look.is_out[i];
@@ -467,7 +453,7 @@ vor_status vor_outliers_pull(struct vor_domain *domain, const struct vor_outlier
     if (pull.foot == NULL || pull.goes == NULL) {
         status = vor_fail(err, VOR_E_NOMEM, "%zu outliers", outliers->n);
     } else {
-        status = vor_run_rows(run, outliers->n, CLOSER_BLOCK, pull_point, &pull, err);
+        status = vor_run_rows(run, outliers->n, BLOCK, pull_point, &pull, err);
         VOR_THEN(status, insert(domain, &pull, run, err));
     }
     VOR_FREE_ALL(run->memory, pull.goes, pull.foot);
