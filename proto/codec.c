@@ -3,7 +3,6 @@
 #include "core/base/quote.h"
 #include "core/cloud/faces.h"
 #include "proto/draco/draco.h"
-#include "proto/foreign.h"
 #include "proto/origin.h"
 #include "proto/ply/ply.h"
 #include "proto/ply/ply_header.h"

@@ -1,4 +1,4 @@
-#include "proto/foreign.h"
+#include "proto/format.h"
 
 #include "proto/text.h"
 

@@ -51,4 +51,14 @@ struct vor_format {
     int is_fragile;   /**< attributes of strangers may crash its writer, a library's */
 };
 
+/** A format that is not read. */
+struct vor_foreign {
+    const char *name; /**< "LAS" */
+    const char *hint; /**< how to make a PLY file of it, or what probably happened */
+};
+
+/** What a whole file is by its bytes, for refusals that help; NULL if no format that is known
+ * begins like that. */
+const struct vor_foreign *vor_foreign_sniff(const uint8_t *bytes, size_t size);
+
 #endif

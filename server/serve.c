@@ -6,7 +6,6 @@
 #include "server/api/route_table.h"
 #include "server/api/tickets.h"
 #include "server/base/clock.h"
-#include "server/base/descriptors.h"
 #include "server/base/flann_library.h"
 #include "server/base/keys.h"
 #include "server/base/log.h"
@@ -28,6 +27,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -280,13 +280,64 @@ static vor_status open_http(struct daemon *daemon, struct vor_error *err)
     return vor_http_open(&daemon->admin, &options, err);
 }
 
+/* Files of the store, blobs, jobs, sockets that are being closed, the reserve for health checks;
+ * and connections, below which it is no use to start. */
+enum { OPEN_FILES = 256, CONNECTIONS_LEAST = 16 };
+
+/* Lowers connections and streams alike, so that they fit. */
+static vor_status lower_connections(struct vor_config *config, double hard, struct vor_error *err)
+{
+    double *connections = &config->number[VOR_SET_CONNECTIONS];
+    double *streams = &config->number[VOR_SET_STREAMS];
+    double asked = 2 * *connections + *streams;
+    double share = (hard - OPEN_FILES) / asked;
+
+    if (config->given[VOR_SET_CONNECTIONS] || config->given[VOR_SET_STREAMS] ||
+        share * *connections < CONNECTIONS_LEAST)
+        return vor_fail_param(
+            err, VOR_E_PARAM, "connections",
+            "--connections %.0f and --streams %.0f need %.0f open files, but this machine's limit "
+            "is %.0f (ulimit -Hn): allow fewer connections or streams, or raise the limit",
+            *connections, *streams, asked + OPEN_FILES, hard);
+    *connections = (double)(unsigned)(*connections * share);
+    *streams = (double)(unsigned)(*streams * share);
+    vor_log(VOR_LOG_WARN,
+            "fewer connections are allowed, because the limit of open files is too low",
+            VOR_COUNT("connections", *connections), VOR_COUNT("streams", *streams),
+            VOR_COUNT("files", hard), VOR_COUNT("wanted", asked + OPEN_FILES));
+    return VOR_OK;
+}
+
+/* Raises the limit of open files so that it is enough for --connections, each with a file of its
+ * own (an upload, a result), --streams, and what the daemon itself has open. Where the hard limit
+ * is too small, both are lowered to what fits, unless one of them was asked for. */
+static vor_status raise_open_files(struct vor_config *config, struct vor_error *err)
+{
+    double wanted =
+        2 * config->number[VOR_SET_CONNECTIONS] + config->number[VOR_SET_STREAMS] + OPEN_FILES;
+    struct rlimit limit;
+
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY ||
+        (double)limit.rlim_cur >= wanted)
+        return VOR_OK;
+    if (limit.rlim_max == RLIM_INFINITY || (double)limit.rlim_max > wanted)
+        limit.rlim_cur = (rlim_t)wanted;
+    else
+        limit.rlim_cur = limit.rlim_max;
+    if (setrlimit(RLIMIT_NOFILE, &limit) != 0)
+        (void)getrlimit(RLIMIT_NOFILE, &limit);
+    return (double)limit.rlim_cur >= wanted
+               ? VOR_OK
+               : lower_connections(config, (double)limit.rlim_cur, err);
+}
+
 /* The address comes before the jobs, so that a daemon whose address is taken touches none. Who
  * connects meanwhile is answered once every job of a former life is back in line: the threads come
  * last. */
 static vor_status start(struct daemon *daemon, struct vor_error *err)
 {
     const char *keys = daemon->config.text[VOR_SET_API_KEYS];
-    vor_status status = vor_descriptors_raise(&daemon->config, err);
+    vor_status status = raise_open_files(&daemon->config, err);
 
     daemon->app.rates = vor_rates_create();
     VOR_THEN(status, vor_tickets_create(&daemon->app.tickets, err));

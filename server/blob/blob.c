@@ -3,7 +3,6 @@
 #include "server/base/disk.h"
 #include "server/blob/dir.h"
 #include "server/blob/pieces.h"
-#include "server/blob/remote.h"
 
 #include <assert.h>
 #include <errno.h>

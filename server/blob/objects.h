@@ -1,5 +1,5 @@
 /** Objects with keys on another machine: a table of functions, one table for each kind of place.
- *  The driver remote.h makes blobs of them.
+ *  The drivers of remote.c make blobs of them.
  *
  *  Every function may be called from any thread and waits for the network. A request that fails for
  *  a reason that may pass is sent again, up to six times in all and within a minute (within 10 s
@@ -94,5 +94,30 @@ int vor_objects_are_wanted(struct vor_objects *objects, const struct vor_blob_pa
 /** For the kinds: true when a request, of which `attempt` came to nothing (from 0 on), is to be
  * sent again; waits before that. It was first sent at `began`. */
 int vor_objects_again(struct vor_objects *objects, int attempt, double began);
+
+/** Objects as rows of a PostgreSQL database, in pieces of 1 MiB, each with its SHA-256: every piece
+ *  is compared before it is passed on. The tables voronoid_file and voronoid_piece stand in the
+ *  first schema of the search path, and are made if missing. The place is a connection string or
+ * URI as libpq has it.
+ *
+ *  A put is one transaction; a get reads piece by piece and is begun anew where the object was
+ *  replaced meanwhile. Works through pgbouncer in transaction mode. libpq is loaded when such a
+ * place is opened. */
+extern const struct vor_objects_kind vor_postgres_objects;
+
+/** Objects of one S3 bucket (or of what speaks its protocol) under a prefix, by libcurl, which
+ *  signs each request (AWS Signature Version 4).
+ *
+ *  A request waits up to 10 s for a connection, and 30 s for each pause in which no byte comes.
+ * 5xx, 429, resets and time-outs may pass; each try is signed anew. A failure has the status and
+ * the code that S3 gave. A put sends the digest, and S3 compares; large objects are put part by
+ * part, each tried again by itself (s3_multipart.h). Nothing in the URL of a key needs an escape.
+ *
+ *  The place is http[s]://HOST[:PORT]/BUCKET[/PREFIX][?style=host]: with style=host the bucket
+ *  becomes a part of the host's name (https://BUCKET.HOST/KEY), as pgBackRest calls it; else it is
+ *  the first part of the path. The environment has the rest: AWS_ACCESS_KEY_ID,
+ *  AWS_SECRET_ACCESS_KEY and AWS_SESSION_TOKEN, each also as the file that VARIABLE_FILE names;
+ *  AWS_REGION. */
+extern const struct vor_objects_kind vor_s3_objects;
 
 #endif

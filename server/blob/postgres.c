@@ -1,4 +1,4 @@
-#include "server/blob/postgres.h"
+#include "server/blob/objects.h"
 
 #include "server/base/clock.h"
 #include "server/base/disk.h"

@@ -1,11 +1,7 @@
-#include "server/blob/remote.h"
-
 #include "server/base/disk.h"
 #include "server/blob/dir.h"
 #include "server/blob/drops.h"
 #include "server/blob/pieces.h"
-#include "server/blob/postgres.h"
-#include "server/blob/s3_client.h"
 
 #include <errno.h>
 #include <fcntl.h>

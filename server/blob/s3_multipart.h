@@ -13,7 +13,7 @@
  *
  *  @param[in] url  of the object
  *
- *  @retval VOR_E_IO, VOR_E_NOMEM  as the functions of s3_client.h */
+ *  @retval VOR_E_IO, VOR_E_NOMEM  as the functions of objects.h */
 VOR_NODISCARD vor_status vor_s3_put_parts(struct vor_s3 *s3, const char *url,
                                           const struct vor_object_bytes *bytes,
                                           struct vor_error *err);

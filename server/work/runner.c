@@ -6,7 +6,6 @@
 #include "server/base/log.h"
 #include "server/base/metrics.h"
 #include "server/work/ipc_codec.h"
-#include "server/work/job_metrics.h"
 #include "server/work/keeper.h"
 
 #include <math.h>
@@ -506,6 +505,38 @@ static void clean_up_lost(const struct run *run)
             (run->has_kept && vor_job_status_over(row.status) ? VOR_HAS_CHECKPOINT : 0));
 }
 
+/* --- a run ------------------------------------------------------------------------------------ */
+
+static void count_stage(const struct vor_job_view *row, const char *stage, double seconds)
+{
+    vor_metric_observe(VOR_METRIC_JOB_SECONDS, seconds, VOR_LABELS(row->process, stage));
+}
+
+/* It is over, however it ended. report is NULL unless it was successful and its process makes one.
+ */
+static void count_ended(const struct vor_job_view *row, const struct vor_report *report,
+                        size_t memory, double seconds)
+{
+    vor_metric_add(VOR_METRIC_MEMORY_RESERVED, -(double)memory, NULL);
+    count_stage(row, "all", seconds);
+    if (report == NULL)
+        return;
+    count_stage(row, "read", report->seconds_read);
+    count_stage(row, "index", report->seconds_index);
+    count_stage(row, "init", report->seconds_init);
+    for (unsigned i = 0; i < report->stages_count; i++)
+        count_stage(row, vor_run_stage_info(report->stages[i].stage)->name,
+                    report->stages[i].seconds);
+    if (report->has_mesh)
+        count_stage(row, "mesh", report->mesh_seconds);
+    count_stage(row, "write", report->seconds_write);
+    vor_metric_observe(VOR_METRIC_JOB_POINTS, (double)report->points_out, VOR_LABELS("out"));
+    vor_metric_observe(VOR_METRIC_JOB_ITERATIONS, report->iterations, NULL);
+    vor_metric_observe(VOR_METRIC_JOB_DELTA, report->delta, NULL);
+    vor_metric_observe(VOR_METRIC_JOB_MEMORY, (double)report->memory_peak_bytes, NULL);
+    vor_metric_add(VOR_METRIC_POINTS, (double)report->points_in, NULL);
+}
+
 void vor_job_service_run(struct vor_runner *runner, const struct vor_job_view *row)
 {
     struct vor_job_service *service = runner->service;
@@ -525,15 +556,18 @@ void vor_job_service_run(struct vor_runner *runner, const struct vor_job_view *r
     atomic_init(&run.stops, 0);
     vor_log(VOR_LOG_INFO, "job started", VOR_OF_JOB(row), VOR_COUNT("attempt", row->attempt));
     vor_job_begin(run.job, vor_clock_wall_ms());
-    vor_count_begun(row, row->attempt, service->config.memory);
+    vor_metric_add(VOR_METRIC_MEMORY_RESERVED, (double)service->config.memory, NULL);
+    if (row->attempt == 1)
+        vor_metric_observe(VOR_METRIC_QUEUE_WAIT,
+                           fmax(0, (double)(vor_clock_wall_ms() - row->created) / 1000), NULL);
     if (row->request_lost || vor_spec_check(&row->spec, NULL) != VOR_OK ||
         vor_spec_check_inputs(&row->spec, row->inputs, NULL) != VOR_OK)
         (void)vor_fail(&problem, VOR_E_INTERNAL,
                        "the job's request cannot be read by this version");
     else
         end = execute(&run, &problem);
-    vor_count_ended(row, end == VOR_RUN_DONE && run.result.has_report ? &run.result.report : NULL,
-                    service->config.memory, vor_clock_seconds() - began);
+    count_ended(row, end == VOR_RUN_DONE && run.result.has_report ? &run.result.report : NULL,
+                service->config.memory, vor_clock_seconds() - began);
     if (run.has_shown)
         show_elsewhere(&run, 0);
     if (!conclude(&run, end, &problem)) {
