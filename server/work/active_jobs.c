@@ -229,7 +229,7 @@ void vor_job_service_drop_all(struct vor_job_service *service, const struct vor_
 vor_status vor_job_service_evict(struct vor_job_service *service, enum vor_evict why,
                                  struct vor_error *err)
 {
-    enum { BATCH = 64 };
+    enum { BATCH = 16 }; /* others that change jobs wait meanwhile */
     static const char *const done[] = {[VOR_EVICT_EXPIRED] = "results expired",
                                        [VOR_EVICT_UPLOADS] = "uploads deleted to make room",
                                        [VOR_EVICT_RESULTS] = "results deleted to make room"};
@@ -253,12 +253,4 @@ vor_status vor_job_service_evict(struct vor_job_service *service, enum vor_evict
     if (total > 0)
         vor_log(VOR_LOG_INFO, done[why], VOR_COUNT("jobs", total));
     return status;
-}
-
-void vor_job_service_keep_quota(struct vor_job_service *service, enum vor_evict why)
-{
-    struct vor_error err;
-
-    if (vor_job_service_evict(service, why, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "uploads or results not deleted", VOR_TEXT("error", err.message));
 }

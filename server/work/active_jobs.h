@@ -83,6 +83,7 @@ struct vor_job_service {
     double busy;               /* when there was a job last */
     double reaped;             /* when the leases of others were looked at */
     double unreached;          /* when the store was away last, or not known */
+    atomic_int has_grown;      /* more is kept than before: the sweeper is to look at the quotas */
     atomic_int may_be_unheard; /* a claim failed, or nobody knows whether it did */
     atomic_int is_late; /* the disk was full at the start: what a former life left waits for room */
 };
@@ -176,9 +177,6 @@ void vor_job_service_drop_all(struct vor_job_service *service, const struct vor_
  *  Cost: a read of the store as long as a quota holds. */
 VOR_NODISCARD vor_status vor_job_service_evict(struct vor_job_service *service, enum vor_evict why,
                                                struct vor_error *err);
-
-/** The same; a failure is logged, and the next call tries again. */
-void vor_job_service_keep_quota(struct vor_job_service *service, enum vor_evict why);
 
 /* What jobs take of the daemon, and whether there is room for one more: places in the queue, bytes
  * of decoded inputs that wait, memory of what runs. A job books a place while its inputs are

@@ -371,8 +371,7 @@ enum vor_job_outcome vor_job_service_submit(struct vor_job_service *service,
             vor_admit_drop(service->config.blobs, admitted);
         return outcome;
     }
-    if (row.kept > 0)
-        vor_job_service_keep_quota(service, VOR_EVICT_UPLOADS);
+    atomic_store(&service->has_grown, 1);
     if (out != NULL)
         *out = row;
     return VOR_DONE;

@@ -479,10 +479,7 @@ static void clean_up(struct run *run, double began)
     vor_job_service_drop_all(run->service, &view.id, view.process, gone,
                              vor_has_inputs(&view) | (run->has_kept ? VOR_HAS_CHECKPOINT : 0) |
                                  (gone > 0 ? VOR_HAS_OUTPUTS : 0));
-    if (view.kept > 0)
-        vor_job_service_keep_quota(run->service, VOR_EVICT_UPLOADS);
-    if (view.status == VOR_JOB_SUCCESSFUL)
-        vor_job_service_keep_quota(run->service, VOR_EVICT_RESULTS);
+    atomic_store(&run->service->has_grown, 1);
     vor_log(VOR_LOG_INFO, "job ended", VOR_OF_JOB(&view),
             VOR_TEXT("status", vor_job_status_word(view.status)), VOR_TEXT("message", view.message),
             VOR_COUNT("attempt", view.attempt), VOR_COUNT("points", view.output[0].points),

@@ -358,12 +358,21 @@ static void drop_strays(struct vor_job_service *service)
     vor_found_free(found);
 }
 
+/* What fails is tried again, with the next sweep at the latest. */
+static void keep_quotas(struct vor_job_service *service)
+{
+    struct vor_error err;
+
+    if (vor_job_service_evict(service, VOR_EVICT_UPLOADS, &err) != VOR_OK ||
+        vor_job_service_evict(service, VOR_EVICT_RESULTS, &err) != VOR_OK)
+        vor_log(VOR_LOG_WARN, "uploads or results not deleted", VOR_TEXT("error", err.message));
+}
+
 vor_status vor_job_service_sweep(struct vor_job_service *service, struct vor_error *err)
 {
     vor_status status = vor_job_service_evict(service, VOR_EVICT_EXPIRED, err);
 
-    vor_job_service_keep_quota(service, VOR_EVICT_UPLOADS);
-    vor_job_service_keep_quota(service, VOR_EVICT_RESULTS);
+    keep_quotas(service);
     return status;
 }
 
@@ -494,6 +503,9 @@ void *vor_job_service_sweep_on(void *arg)
         look_at_disk(service);
         look_idle(service);
         drop_strays(service);
+        /* Not whoever made it more: a submit, or the end of a job, would wait for another sync. */
+        if (atomic_exchange(&service->has_grown, 0))
+            keep_quotas(service);
         if (!look_at_clock(service))
             continue;
         if (now - tidied >= tidy && service->found.count == 0) {
