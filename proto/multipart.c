@@ -114,15 +114,6 @@ int vor_multipart_is_form(const char *content_type)
     return behind_word(content_type, "multipart/form-data") != NULL;
 }
 
-static int is_boundary(const char *text, size_t length)
-{
-    static const char allowed[] =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789'()+_,-./:=? ";
-
-    return length >= 1 && length <= VOR_MULTIPART_BOUNDARY_MAX && strspn(text, allowed) == length &&
-           text[length - 1] != ' ';
-}
-
 /* How many boundaries the parameters of a Content-Type have, -1 when they cannot be read; *out is
  * the last one. */
 static int find_boundary(const char *at, struct parameter *out)
@@ -141,6 +132,8 @@ static int find_boundary(const char *at, struct parameter *out)
 vor_status vor_multipart_begin(struct vor_multipart *scanner, const char *content_type,
                                const struct vor_multipart_events *events, struct vor_error *err)
 {
+    static const char allowed[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789'()+_,-./:=? ";
     const char *at = behind_word(content_type, "multipart/form-data");
     struct parameter boundary = {.length = 0};
     int found;
@@ -154,7 +147,9 @@ vor_status vor_multipart_begin(struct vor_multipart *scanner, const char *conten
                         : found == 0 ? "no boundary"
                                      : "more than one boundary",
                         VOR_MULTIPART_BOUNDARY_MAX);
-    if (!is_boundary(boundary.value, boundary.length))
+    if (boundary.length < 1 || boundary.length > VOR_MULTIPART_BOUNDARY_MAX ||
+        strspn(boundary.value, allowed) != boundary.length ||
+        boundary.value[boundary.length - 1] == ' ')
         return vor_fail(
             err, VOR_E_REQUEST,
             "the boundary \"%s\" of %zu characters is invalid, want 1 to %d characters: letters, "

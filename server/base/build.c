@@ -2,21 +2,16 @@
 
 #include <stdlib.h>
 
-/* "1.2.3" as a number. */
-static int64_t number_of(const char *version)
+struct vor_build vor_build_own(void)
 {
-    int64_t number = 0;
+    struct vor_build build = {VOR_ENGINE, 0};
+    const char *version = VOR_VERSION;
 
     for (int part = 0; part < 3; part++) {
         char *end;
 
-        number = number * 1000 + strtol(version, &end, 10);
+        build.release = build.release * 1000 + strtol(version, &end, 10);
         version = *end == '.' ? end + 1 : end;
     }
-    return number;
-}
-
-struct vor_build vor_build_own(void)
-{
-    return (struct vor_build){VOR_ENGINE, number_of(VOR_VERSION)};
+    return build;
 }

@@ -20,13 +20,6 @@ static int is_blank(const char *at)
     return at[strspn(at, " ")] == '\n';
 }
 
-static int is_underline(const char *at)
-{
-    size_t dashes = strspn(at, "-");
-
-    return dashes >= 3 && dashes == line_length(at);
-}
-
 static struct vor_span_of_text between(const char *begin, const char *end)
 {
     while (end > begin && end[-1] == '\n')
@@ -67,8 +60,9 @@ static const char *take_code(struct vor_markup_block *out, const char *at)
 static const char *take_text(struct vor_markup_block *out, const char *at)
 {
     const char *end = after_line(at);
+    size_t dashes = strspn(end, "-");
 
-    if (is_underline(end)) {
+    if (dashes >= 3 && dashes == line_length(end)) { /* an underline */
         out->kind = VOR_MARKUP_HEADING;
         out->text = between(at, end);
         return after_line(end);

@@ -8,12 +8,13 @@
 
 enum { STEM_MAX = 160 /* bytes */ };
 
-/* Writes what of a job's name can begin the name of a file. */
-static void write_stem(char out[STEM_MAX + 1], const char *name)
+void vor_result_name(char out[VOR_RESULT_NAME_SIZE], const char *name, const char *id,
+                     const char *process, const char *output, const char *suffix)
 {
     const char *slash = strrchr(name, '/'), *back = strrchr(name, '\\');
     const struct vor_format *format;
     size_t length, at = 0, bytes;
+    char stem[STEM_MAX + 1]; /* what of the job's name can begin the name of a file */
 
     if (back != NULL && (slash == NULL || back > slash))
         slash = back;
@@ -27,19 +28,11 @@ static void write_stem(char out[STEM_MAX + 1], const char *name)
         bytes = bytes > 0 ? bytes : 1;
         if (at + bytes > STEM_MAX)
             break;
-        memcpy(out + at, name + at, bytes);
-        if ((unsigned char)out[at] < 0x20 || strchr("\x7f<>:\"|?*", out[at]) != NULL)
-            out[at] = '_';
+        memcpy(stem + at, name + at, bytes);
+        if ((unsigned char)stem[at] < 0x20 || strchr("\x7f<>:\"|?*", stem[at]) != NULL)
+            stem[at] = '_';
     }
-    out[at] = '\0';
-}
-
-void vor_result_name(char out[VOR_RESULT_NAME_SIZE], const char *name, const char *id,
-                     const char *process, const char *output, const char *suffix)
-{
-    char stem[STEM_MAX + 1];
-
-    write_stem(stem, name);
+    stem[at] = '\0';
     (void)snprintf(out, VOR_RESULT_NAME_SIZE, "%s.%s%s", stem[0] != '\0' ? stem : id,
                    strcmp(output, "cloud") == 0 ? process : output, suffix);
 }

@@ -245,15 +245,6 @@ vor_status vor_blob_promise(struct vor_blob_writer *writer, uint64_t bytes, stru
     return promise(writer, bytes, err);
 }
 
-/* By a step, as asking costs a system call; near the end of the disk by just what came. */
-static void extend_promise(struct vor_blob_writer *writer, size_t size)
-{
-    if ((size < PROMISE_STEP && promise(writer, PROMISE_STEP, NULL) == VOR_OK) ||
-        promise(writer, size, &writer->failure) == VOR_OK)
-        return;
-    assert(writer->failure.status != VOR_OK);
-}
-
 void vor_blob_be_lazy(struct vor_blob_writer *writer)
 {
     writer->is_lazy = 1;
@@ -271,8 +262,11 @@ vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, si
     size_t left = size;
 
     assert(!writer->is_whole);
-    if (writer->is_promised && size > writer->promised && writer->failure.status == VOR_OK)
-        extend_promise(writer, size);
+    /* By a step, as asking costs a system call; near the end of the disk by just what came. */
+    if (writer->is_promised && size > writer->promised && writer->failure.status == VOR_OK &&
+        (size >= PROMISE_STEP || promise(writer, PROMISE_STEP, NULL) != VOR_OK) &&
+        promise(writer, size, &writer->failure) != VOR_OK)
+        assert(writer->failure.status != VOR_OK);
     while (writer->failure.status == VOR_OK && left > 0) {
         ssize_t wrote = write(writer->fd, at, left);
 
@@ -367,22 +361,16 @@ vor_status vor_blob_adopt(struct vor_blob_writer *writer, uint64_t size,
     return VOR_OK;
 }
 
-static int is_name(const char *name)
-{
-    size_t length = strlen(name);
-
-    return length >= 1 && length <= VOR_BLOB_NAME_MAX &&
-           strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789-_") == length;
-}
-
 vor_status vor_blob_commit(struct vor_blob_writer *writer, const struct vor_uuid *id,
                            const char *name, struct vor_error *err)
 {
     char file[VOR_BLOB_FILE_SIZE];
     struct vor_error failure = {.status = VOR_OK};
     vor_status status = vor_blob_failure(writer, &failure);
+    size_t length = strlen(name);
 
-    assert(is_name(name));
+    assert(length >= 1 && length <= VOR_BLOB_NAME_MAX &&
+           strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789-_") == length);
     VOR_THEN(status, writer->blobs->driver->commit(writer, file_of(id, name, file), &failure));
     if (status == VOR_E_IO && failure.got == EIO)
         atomic_store(&writer->blobs->is_broken, 1);

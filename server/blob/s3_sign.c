@@ -43,17 +43,6 @@ static void put_query(struct vor_text *out, const struct vor_s3_signing *signing
     vor_text_printf(out, "&X-Amz-SignedHeaders=host%s", signing->query);
 }
 
-/* The text that is signed: what is asked, and when. */
-static void put_question(struct vor_text *out, const char *time, const char *scope,
-                         const struct vor_text *request)
-{
-    uint8_t digest[VOR_DIGEST_BYTES];
-
-    vor_digest_of(request->data, request->size, digest);
-    vor_text_printf(out, "AWS4-HMAC-SHA256\n%s\n%s\n", time, scope);
-    put_hex(out, digest);
-}
-
 /* The key of a day, region and service, each of which is signed by the key before. */
 static void sign(const struct vor_s3_signing *signing, const char *day, const struct vor_text *text,
                  uint8_t out[VOR_DIGEST_BYTES])
@@ -79,7 +68,7 @@ void vor_s3_sign(const struct vor_s3_signing *signing, struct vor_text *out)
     struct vor_text origin, query, request, question;
     time_t at = (time_t)signing->at;
     char time[24] = "", day[9], scope[128];
-    uint8_t signature[VOR_DIGEST_BYTES];
+    uint8_t digest[VOR_DIGEST_BYTES], signature[VOR_DIGEST_BYTES];
     const char *path;
     struct tm tm;
 
@@ -95,8 +84,11 @@ void vor_s3_sign(const struct vor_s3_signing *signing, struct vor_text *out)
     if (!origin.failed && !query.failed)
         vor_text_printf(&request, "%s\n%s\n%s\nhost:%s\n\nhost\nUNSIGNED-PAYLOAD", signing->method,
                         path, query.data, strstr(origin.data, "://") + 3);
-    if (request.data != NULL)
-        put_question(&question, time, scope, &request);
+    if (request.data != NULL) {
+        vor_digest_of(request.data, request.size, digest);
+        vor_text_printf(&question, "AWS4-HMAC-SHA256\n%s\n%s\n", time, scope);
+        put_hex(&question, digest);
+    }
     if (request.failed || question.data == NULL || question.failed) {
         out->failed = 1;
     } else {

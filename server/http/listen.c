@@ -173,32 +173,6 @@ static void on_log(void *cls, const char *format, va_list args)
     http->options.log(line);
 }
 
-static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
-{
-    const struct vor_http_options *options = &http->options;
-
-    /* The library divides its limit of connections among its threads and stops accepting at it. As
-     * many for each as there may be in all, and those which are cut and not closed yet: the limit
-     * that is met is ours. */
-    unsigned most = options->limits.connections + options->streams + SPARE;
-
-    return vor_mhd->start_daemon(
-        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG, 0, NULL, NULL,
-        vor_mhd_step, http, MHD_OPTION_EXTERNAL_LOGGER, on_log, http, MHD_OPTION_LISTEN_SOCKET, fd,
-        MHD_OPTION_THREAD_POOL_SIZE, options->threads > 1 ? options->threads : 0u,
-#if MHD_VERSION >= 0x01000000
-        MHD_OPTION_CLIENT_DISCIPLINE_LVL, 1,
-#else
-        MHD_OPTION_STRICT_FOR_CLIENT, 0, /* all it adds is to refuse a missing Host, which the
-                                            request check does with a problem, once */
-#endif
-        MHD_OPTION_CONNECTION_LIMIT, most * (options->threads > 1 ? options->threads : 1),
-        MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)STUCK_SECONDS, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
-        (size_t)VOR_CONNECTION_BYTES, MHD_OPTION_NOTIFY_CONNECTION, on_connection, http,
-        MHD_OPTION_NOTIFY_COMPLETED, vor_mhd_end, http, MHD_OPTION_URI_LOG_CALLBACK, vor_mhd_begin,
-        http, MHD_OPTION_END);
-}
-
 vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *options,
                          struct vor_error *err)
 {
@@ -224,7 +198,28 @@ vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *o
 
 vor_status vor_http_start(struct vor_http *http, struct vor_error *err)
 {
-    http->daemon = start_daemon(http, http->fd);
+    const struct vor_http_options *options = &http->options;
+
+    /* The library divides its limit of connections among its threads and stops accepting at it. As
+     * many for each as there may be in all, and those which are cut and not closed yet: the limit
+     * that is met is ours. */
+    unsigned most = options->limits.connections + options->streams + SPARE;
+
+    http->daemon = vor_mhd->start_daemon(
+        MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG, 0, NULL, NULL,
+        vor_mhd_step, http, MHD_OPTION_EXTERNAL_LOGGER, on_log, http, MHD_OPTION_LISTEN_SOCKET,
+        http->fd, MHD_OPTION_THREAD_POOL_SIZE, options->threads > 1 ? options->threads : 0u,
+#if MHD_VERSION >= 0x01000000
+        MHD_OPTION_CLIENT_DISCIPLINE_LVL, 1,
+#else
+        MHD_OPTION_STRICT_FOR_CLIENT, 0, /* all it adds is to refuse a missing Host, which the
+                                            request check does with a problem, once */
+#endif
+        MHD_OPTION_CONNECTION_LIMIT, most * (options->threads > 1 ? options->threads : 1),
+        MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)STUCK_SECONDS, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+        (size_t)VOR_CONNECTION_BYTES, MHD_OPTION_NOTIFY_CONNECTION, on_connection, http,
+        MHD_OPTION_NOTIFY_COMPLETED, vor_mhd_end, http, MHD_OPTION_URI_LOG_CALLBACK, vor_mhd_begin,
+        http, MHD_OPTION_END);
     if (http->daemon == NULL)
         return vor_fail(err, VOR_E_NOMEM,
                         "cannot start the HTTP threads: too little memory, or a limit on the "

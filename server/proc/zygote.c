@@ -52,23 +52,14 @@ struct children {
 
 /* --- in the child ----------------------------------------------------------------------------- */
 
-/* Closes every descriptor from that one on. A kernel before 5.9 has no call for it; there, those
- * that a process of ours can have. */
-static void close_from(unsigned from)
-{
-    enum { OLD_KERNEL_FDS = 4096 };
-
-    if (close_range(from, ~0u, 0) == 0)
-        return;
-    for (unsigned fd = from; fd < OLD_KERNEL_FDS; fd++)
-        (void)close((int)fd);
-}
-
 /* Moves descriptors to FIRST_FD and those behind it, in order, and closes all others but the three
- * standard ones. */
+ * standard ones; where the kernel, before 5.9, has no call for that, those that we can have. */
 static void keep_fds(int *fds, unsigned count)
 {
-    enum { ASIDE = FIRST_FD + VOR_CHANNEL_FDS }; /* above all places that they go to */
+    enum {
+        ASIDE = FIRST_FD + VOR_CHANNEL_FDS, /* above all places that they go to */
+        OLD_KERNEL_FDS = 4096
+    };
 
     for (unsigned i = 0; i < count; i++)
         fds[i] = fcntl(fds[i], F_DUPFD, ASIDE);
@@ -79,7 +70,9 @@ static void keep_fds(int *fds, unsigned count)
             _exit(EXIT_FAILURE);
         fds[i] = to;
     }
-    close_from(FIRST_FD + count);
+    if (close_range(FIRST_FD + count, ~0u, 0) != 0)
+        for (unsigned fd = FIRST_FD + count; fd < OLD_KERNEL_FDS; fd++)
+            (void)close((int)fd);
 }
 
 /* Dies with its parent, also where that has died already. */
@@ -217,27 +210,20 @@ static void supervise(struct children *children)
     }
 }
 
-/* Nothing is read from standard input nor written to standard output. */
-static void mute(void)
-{
-    int null = open("/dev/null", O_RDWR | O_CLOEXEC);
-
-    if (null < 0)
-        return;
-    (void)dup2(null, STDIN_FILENO);
-    (void)dup2(null, STDOUT_FILENO);
-    if (null > STDERR_FILENO)
-        (void)close(null);
-}
-
 static _Noreturn void be_zygote(struct children *children, pid_t parent)
 {
     static const int ignored[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGPIPE};
     sigset_t child;
+    int null;
 
     die_with(parent);
     keep_fds(&children->socket, 1);
-    mute();
+    /* Nothing is read from standard input nor written to standard output. */
+    null = open("/dev/null", O_RDWR | O_CLOEXEC);
+    (void)dup2(null, STDIN_FILENO);
+    (void)dup2(null, STDOUT_FILENO);
+    if (null > STDERR_FILENO)
+        (void)close(null);
     for (size_t i = 0; i < sizeof ignored / sizeof ignored[0]; i++)
         (void)signal(ignored[i], SIG_IGN);
     (void)signal(SIGCHLD, SIG_DFL);

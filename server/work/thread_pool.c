@@ -173,26 +173,18 @@ void vor_thread_pool_share(struct vor_thread_pool *pool, unsigned running_max, s
     pthread_mutex_unlock(&pool->mutex);
 }
 
-/* How many tasks of its caller go before one that comes. */
-static size_t before(const struct vor_thread_pool *pool, const struct vor_task *task)
-{
-    size_t count = 0;
-
-    for (const struct vor_task *at = pool->head; at != NULL; at = at->next)
-        count += at->weight <= task->weight && vor_fairness_key_same(&at->caller, &task->caller);
-    return count;
-}
-
 enum vor_job_outcome vor_thread_pool_submit(struct vor_thread_pool *pool, struct vor_task *task,
                                             struct vor_error *err)
 {
     enum vor_job_outcome outcome = VOR_DONE;
+    size_t before = 0; /* tasks of its caller that go before it */
 
     pthread_mutex_lock(&pool->mutex);
+    for (const struct vor_task *at = pool->head; at != NULL; at = at->next)
+        before += at->weight <= task->weight && vor_fairness_key_same(&at->caller, &task->caller);
     if (pool->closing) {
         outcome = VOR_DRAINING;
-    } else if (pool->waiting >= pool->waiting_max ||
-               before(pool, task) >= pool->caller_waiting_max) {
+    } else if (pool->waiting >= pool->waiting_max || before >= pool->caller_waiting_max) {
         outcome = VOR_FULL;
     } else {
         struct vor_task **tail = pool->tail;
