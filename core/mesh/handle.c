@@ -15,24 +15,40 @@ enum { HOLE = 6 };
 enum { TABLE_SIZE = 256 };
 #define NONE UINT32_MAX
 
-/* Goes from triangle t and its open edge from `from` to `at` along the boundary. Returns the edges
- * of the loop, ALONG where it is longer, or 0 where it meets the first two corners. */
-static int follow(const struct vor_complex *complex, uint32_t t, uint32_t from, uint32_t at,
+/* Where the boundary goes on from `at`, which it reaches by an open edge from `from`. In one fan
+ * each neighbour but the two at its ends has two triangles, so that these two are the exclusive or
+ * of all. Where there are several fans, that is hardly ever a neighbour: then it is looked for. */
+static uint32_t go_on(const struct vor_complex *complex, uint32_t from, uint32_t at)
+{
+    uint32_t other[2], third[2], next = from, t = VOR_COMPLEX_GONE;
+
+    for (unsigned k = 0; k < complex->degree[at]; k++) {
+        vor_complex_others(complex, complex->around[(size_t)at * VOR_AROUND_MOST + k], at, other);
+        next ^= other[0] ^ other[1];
+    }
+    if (vor_complex_edge(complex, at, next, third) == 1)
+        return next;
+    for (next = from; vor_complex_across(complex, t, at, next) != t;) {
+        t = vor_complex_across(complex, t, at, next);
+        vor_complex_others(complex, t, at, other);
+        next = other[0] == next ? other[1] : other[0];
+    }
+    return next;
+}
+
+/* Goes by the open edge from `from` to `at` along the boundary. Returns the edges of the loop,
+ * ALONG where it is longer, or 0 where it meets the first two corners. */
+static int follow(const struct vor_complex *complex, uint32_t from, uint32_t at,
                   const uint32_t corner[3])
 {
     for (int step = 1; step < ALONG; step++) {
-        uint32_t other[2], next = from, u = t;
+        uint32_t next;
 
         if (at == corner[0] || at == corner[1])
             return 0;
         if (at == corner[2])
             return step;
-        do {
-            t = u;
-            vor_complex_others(complex, t, at, other);
-            next = other[0] == next ? other[1] : other[0];
-            u = vor_complex_across(complex, t, at, next);
-        } while (u != t);
+        next = go_on(complex, from, at);
         from = at;
         at = next;
     }
@@ -46,13 +62,13 @@ static int loop_of(const struct vor_complex *complex, const uint32_t corner[3])
     uint32_t c = corner[2], other[2];
     int shortest = ALONG;
 
-    for (unsigned k = 0; k < complex->degree[c]; k++) {
+    for (unsigned k = 0; k < complex->degree[c] && shortest > 0; k++) {
         uint32_t t = complex->around[(size_t)c * VOR_AROUND_MOST + k];
 
         vor_complex_others(complex, t, c, other);
-        for (int o = 0; o < 2; o++) {
+        for (int o = 0; o < 2 && shortest > 0; o++) {
             int edges = vor_complex_across(complex, t, c, other[o]) == t
-                            ? follow(complex, t, c, other[o], corner)
+                            ? follow(complex, c, other[o], corner)
                             : ALONG;
 
             shortest = edges < shortest ? edges : shortest;
