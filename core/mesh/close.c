@@ -79,8 +79,8 @@ static void cut_part(struct closing *closing, unsigned a, unsigned b)
             !(cost < closing->cost[a][b]))
             continue;
         cost += cost_of(closing, corner);
-        if (cost < closing->cost[a][b] &&
-            !vor_crossing_near(closing->complex, closing->balls, corner)) {
+        if (cost < closing->cost[a][b] && vor_crossing_near(closing->complex, closing->balls,
+                                                            corner, 0) == closing->complex->count) {
             closing->cost[a][b] = cost;
             closing->by[a][b] = (unsigned char)m;
         }
@@ -141,7 +141,8 @@ static vor_status close_loop(struct closing *closing, size_t *closed, struct vor
     for (unsigned t = 0; t < closing->taken && status == VOR_OK; t++) {
         int takes = vor_complex_takes(closing->complex, closing->triangle[t]) &&
                     vor_twosided_takes(&closing->sides, closing->complex, closing->triangle[t]) &&
-                    !vor_crossing_near(closing->complex, closing->balls, closing->triangle[t]);
+                    vor_crossing_near(closing->complex, closing->balls, closing->triangle[t], 0) ==
+                        closing->complex->count;
 
         whole &= takes;
         if (!takes)

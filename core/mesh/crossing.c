@@ -126,9 +126,12 @@ struct near {
     int common;
     const float *place;
     float seen2;
+    size_t since;
 };
 
-static int crosses(const struct vor_complex *complex, const float *xyz, const uint32_t corner[3],
+/* The first triangle found that passes through another and is not one of the first `since`; their
+ * number where none is. */
+static size_t find(const struct vor_complex *complex, const float *xyz, const uint32_t corner[3],
                    const struct near *near)
 {
     for (unsigned i = 0; i < near->count; i++) {
@@ -138,26 +141,30 @@ static int crosses(const struct vor_complex *complex, const float *xyz, const ui
             vor_distance2f(near->place, &xyz[3 * (size_t)near->point[i]]) < (double)near->seen2)
             continue;
         for (unsigned k = 0; k < complex->degree[near->point[i]]; k++)
-            if (cross(xyz, corner, &complex->triangle[3 * (size_t)around[k]], near->common))
-                return 1;
+            if (around[k] >= near->since &&
+                cross(xyz, corner, &complex->triangle[3 * (size_t)around[k]], near->common))
+                return around[k];
     }
-    return 0;
+    return complex->count;
 }
 
-int vor_crossing_near(const struct vor_complex *complex, const struct vor_balls *balls,
-                      const uint32_t corner[3])
+size_t vor_crossing_near(const struct vor_complex *complex, const struct vor_balls *balls,
+                         const uint32_t corner[3], size_t since)
 {
     const float *xyz = balls->sheet->seeds->xyz, *place = &xyz[3 * (size_t)corner[2]];
+    size_t t = complex->count;
 
-    for (int c = 2; c >= 0; c--) {
+    for (int c = 2; c >= 0 && t == complex->count; c--) {
         const struct near near = {&balls->list[(size_t)corner[c] * VOR_BALLS_FEW],
-                                  balls->count[corner[c]], 1, place,
-                                  c == 2 || balls->parts ? 0 : balls->far2[corner[2]]};
+                                  balls->count[corner[c]],
+                                  1,
+                                  place,
+                                  c == 2 || balls->parts ? 0 : balls->far2[corner[2]],
+                                  since};
 
-        if (crosses(complex, xyz, corner, &near))
-            return 1;
+        t = find(complex, xyz, corner, &near);
     }
-    return 0;
+    return t;
 }
 
 /* Whether triangle t passes through one at a point near it. */
@@ -173,7 +180,8 @@ static int is_crossed(const struct crossing *crossing, size_t t)
         for (int d = 0; d < 3; d++)
             middle[d] += xyz[3 * (size_t)corner[c] + (size_t)d] / 3;
     vor_knn_search(crossing->knn, middle, 1, crossing->most, index, distance2);
-    return crosses(complex, xyz, corner, &(const struct near){index, crossing->most, 0, xyz, 0});
+    return find(complex, xyz, corner, &(const struct near){index, crossing->most, 0, xyz, 0, 0}) <
+           complex->count;
 }
 
 static void cross_row(void *ctx, size_t t, VOR_UNUSED unsigned worker)

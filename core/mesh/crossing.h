@@ -32,9 +32,10 @@ VOR_NODISCARD vor_status vor_crossing_drop(struct vor_complex *complex,
                                            const struct vor_sheet *sheet, const struct vor_run *run,
                                            struct vor_error *err);
 
-/** Whether a triangle passes through one at a point that is listed around a corner of it, also if
- *  they have one corner in common. O(1). */
-int vor_crossing_near(const struct vor_complex *complex, const struct vor_balls *balls,
-                      const uint32_t corner[3]);
+/** A triangle that a given one passes through, at a point that is listed around a corner of it,
+ * also if they have one corner in common; complex->count where there is none. The first `since` are
+ * not looked at. O(1). */
+size_t vor_crossing_near(const struct vor_complex *complex, const struct vor_balls *balls,
+                         const uint32_t corner[3], size_t since);
 
 #endif

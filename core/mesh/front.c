@@ -5,23 +5,15 @@
 #include "core/mesh/balls.h"
 #include "core/mesh/crossing.h"
 #include "core/mesh/handle.h"
+#include "core/mesh/over.h"
 #include "core/mesh/peel.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/twosided.h"
 
 #include <string.h>
 
-/* Cosine of the angle that the surface turns by at an edge: of one that is taken at all (150
- * degrees: sharper is folded back), and from which on the smaller ball is better whatever the angle
- * (30 degrees). Both are Cohen-Steiner and Da's. */
-#define SMOOTH (-VOR_PEEL_BLUNT)
-#define FOLDED VOR_PEEL_BLUNT
-
-/* Mean of the cosines between the normals of a triangle and of the surface at its corners, at
- * least: of those that bridge two sheets it is about 0, over creases of 70 degrees .58. */
-#define ALONG .25
-
-/* The same of a triangle that begins, at each corner. */
+/* Cosine between the normals of a triangle that begins and of the surface at each corner, at least.
+ */
 #define FLAT 0.9
 
 /* Cosine from which on a triangle tells the side of the surface at a corner. */
@@ -59,6 +51,7 @@ struct front {
     uint32_t *open;     /* room: the first `opens` are triangles that had open edges */
     size_t opens, seen; /* of the triangles before `seen` only those may have any */
     struct vor_balls *balls;
+    struct vor_overs *overs;
 };
 
 static int joins(const struct front *front, uint32_t i, uint32_t j)
@@ -78,23 +71,12 @@ static double agrees(const struct front *front, uint32_t point, const double nor
     return side != 0 ? side * up : fabs(up);
 }
 
-static int unit_normal(double out[3], const struct front *front, const uint32_t corner[3])
-{
-    double length;
-
-    vor_triangle_normal(out, front->sheet->seeds->xyz, corner);
-    length = sqrt(vor_dot(out, out));
-    for (int c = 0; c < 3; c++)
-        out[c] /= length > 0 ? length : 1;
-    return length > 0;
-}
-
 /* Whether a triangle lies on the surface at each corner. */
 static int is_flat(const struct front *front, const uint32_t corner[3], int facing)
 {
     double normal[3];
 
-    if (!unit_normal(normal, front, corner))
+    if (!vor_triangle_unit_normal(normal, front->sheet->seeds->xyz, corner))
         return 0;
     for (int c = 0; c < 3; c++)
         if (!(agrees(front, corner[c], normal, facing) >= FLAT))
@@ -112,14 +94,36 @@ static int meets(const struct front *front, const uint32_t corner[3])
            vor_complex_edge(front->complex, corner[1], corner[2], third) == 0;
 }
 
+/* Whether a triangle passes through one of those that there are; keeps with a candidate which, or
+ * how many it was looked at beside. */
+static int crosses(const struct front *front, const uint32_t corner[3],
+                   struct vor_candidate *candidate)
+{
+    const struct vor_complex *complex = front->complex;
+    size_t since = candidate != NULL ? candidate->seen : 0;
+
+    if (since > 0 && candidate->crossed) {
+        if (complex->triangle[3 * since] != VOR_COMPLEX_GONE)
+            return 1;
+        since = 0;
+    }
+    since = vor_crossing_near(complex, front->balls, corner, since);
+    if (candidate != NULL) {
+        candidate->seen = (uint32_t)since;
+        candidate->crossed = since < complex->count;
+    }
+    return since < complex->count;
+}
+
 /* Whether those that there are leave room for a triangle over the edge of its first two corners,
- * and the surface keeps its two sides with it, or has one, as a Moebius band. */
-static int is_free(struct front *front, const uint32_t corner[3])
+ * and the surface keeps its two sides with it, or has one, as a Moebius band. The candidate may be
+ * NULL. */
+static int is_free(struct front *front, const uint32_t corner[3], struct vor_candidate *candidate)
 {
     return vor_complex_takes(front->complex, corner) &&
            (vor_twosided_takes(&front->sides, front->complex, corner) ||
             (!front->facing && is_flat(front, corner, 0))) &&
-           !vor_crossing_near(front->complex, front->balls, corner) &&
+           !crosses(front, corner, candidate) &&
            !(meets(front, corner) && vor_handle_is(front->complex, &front->sides, corner));
 }
 
@@ -130,102 +134,53 @@ static int is_on(const struct front *front, const uint32_t corner[3])
            vor_sheet_is_under(front->sheet, corner);
 }
 
-static int is_along(const struct front *front, const uint32_t corner[3], const double normal[3])
+/* Whether it lies along the surface, on the side that others at its corners are on. */
+static int is_along(const struct front *front, const uint32_t corner[3])
 {
-    double sum = 0;
+    double normal[3], sum = 0;
 
+    (void)vor_triangle_unit_normal(normal, front->sheet->seeds->xyz, corner);
     for (int c = 0; c < 3; c++)
         sum += agrees(front, corner[c], normal, front->facing);
-    return sum >= 3 * ALONG && (!front->strict || vor_sheet_is_along(front->sheet, corner));
+    return sum >= 3 * VOR_OVER_ALONG &&
+           (!front->strict || vor_sheet_is_along(front->sheet, corner));
 }
 
-/* An edge over which the next triangle is looked for. */
-struct search {
-    const struct open_edge *edge;
-    uint32_t beside;  /* the third corner of the triangle that it has */
-    double before[3]; /* and the normal of that */
-    const double *to; /* the offset of its second point from its first */
-};
-
-/* What the triangle with a point around as its third corner is worth; -INFINITY where there is
- * none, or none worth more than `least`. */
-static float worth_of(const struct front *front, const struct search *search, unsigned i,
-                      float least)
+/* Whether a candidate over an edge makes a triangle on the input and its sheet, facing as others
+ * do, that those that there are leave room for. */
+static int fits(struct front *front, const struct open_edge *edge, struct vor_candidate *candidate)
 {
-    const struct vor_balls *balls = front->balls;
-    const struct open_edge *edge = search->edge;
-    uint32_t corner[3] = {edge->b, edge->a, balls->index[i]};
-    double normal[3], turned, radius2, most2 = INFINITY;
+    uint32_t corner[3] = {edge->b, edge->a, candidate->point};
 
-    if (corner[2] == edge->a || corner[2] == edge->b || corner[2] == search->beside ||
-        !unit_normal(normal, front, corner))
-        return -INFINITY;
-    turned = vor_dot(normal, search->before);
-    if (!(turned > FOLDED) || (turned < SMOOTH && (float)(turned - 1) <= least) ||
-        !is_along(front, corner, normal))
-        return -INFINITY;
-    if (turned >= SMOOTH && least > 0)
-        most2 = 1 / ((double)least * (double)least);
-    radius2 = vor_balls_radius2(balls, search->to, balls->x[i], most2);
-    if (!(radius2 < (double)INFINITY))
-        return -INFINITY;
-    return turned < SMOOTH ? (float)(turned - 1) : (float)(1 / sqrt(radius2));
-}
-
-/* Whether the triangle with a point around as its third corner lies on the input, and those that
- * there are leave room for it. */
-static int fits(struct front *front, struct open_edge *edge, unsigned i)
-{
-    edge->third = front->balls->index[i];
-    return is_on(front, (uint32_t[3]){edge->b, edge->a, edge->third}) &&
-           is_free(front, (uint32_t[3]){edge->b, edge->a, edge->third});
+    return is_along(front, corner) && is_on(front, corner) && is_free(front, corner, candidate);
 }
 
 /* Finds the best next triangle over an edge among as many points as the edge says, and what it is
- * worth. The first is mostly it; where it is not, each is asked for what it is worth once. */
-static float find_around(struct front *front, struct open_edge *edge, struct search *search)
-{
-    const struct vor_balls *balls = front->balls;
-    float worth[VOR_BALLS_MANY], best = -INFINITY;
-    unsigned at = 0;
-
-    vor_balls_look(front->balls, edge->a, edge->around);
-    search->to = vor_balls_find(balls, edge->b);
-    for (unsigned i = 0; search->to != NULL && i < balls->around; i++) {
-        float here = worth_of(front, search, i, best);
-
-        if (here > best) {
-            best = here;
-            at = i;
-        }
-    }
-    if (!(best > -INFINITY) || fits(front, edge, at))
-        return best;
-    for (unsigned i = 0; i < balls->around; i++)
-        worth[i] = i == at ? -INFINITY : worth_of(front, search, i, -INFINITY);
-    for (;;) {
-        best = -INFINITY;
-        for (unsigned i = 0; i < balls->around; i++)
-            if (worth[i] > best)
-                best = worth[at = i];
-        if (!(best > -INFINITY) || fits(front, edge, at))
-            return best;
-        worth[at] = -INFINITY;
-    }
-}
-
-/* The same where the edge has one triangle. */
+ * worth; -INFINITY where there is none. */
 static float find_best(struct front *front, struct open_edge *edge)
 {
-    struct search search = {.edge = edge};
+    struct vor_candidate all[VOR_BALLS_MANY], *at;
+    struct vor_over *over;
+    unsigned count, k;
     uint32_t beside[2];
 
     if (vor_complex_edge(front->complex, edge->a, edge->b, beside) != 1)
         return -INFINITY;
-    search.beside = beside[0];
-    return unit_normal(search.before, front, (uint32_t[3]){edge->a, edge->b, beside[0]})
-               ? find_around(front, edge, &search)
-               : -INFINITY;
+    over = vor_overs_look(front->overs, (uint32_t[3]){edge->a, edge->b, beside[0]}, edge->around);
+    for (k = 0; k < over->count; k++)
+        if (fits(front, edge, &over->best[k])) {
+            edge->third = over->best[k].point;
+            return over->best[k].worth;
+        }
+    count = over->whole ? k : vor_overs_list(front->overs, over, all);
+    for (; k < count; k++) {
+        at = k < over->count ? &over->best[k] : &all[k];
+        if (fits(front, edge, at)) {
+            edge->third = at->point;
+            return at->worth;
+        }
+    }
+    return -INFINITY;
 }
 
 /* Looks among many points over the first edge of the queue, which was looked at among few. Returns
@@ -296,7 +251,7 @@ static void set_sides(struct front *front, const uint32_t corner[3])
 {
     double normal[3];
 
-    (void)unit_normal(normal, front, corner);
+    (void)vor_triangle_unit_normal(normal, front->sheet->seeds->xyz, corner);
     for (int c = 0; c < 3; c++) {
         const float *m = &front->sheet->normal[3 * (size_t)corner[c]];
         double up = normal[0] * (double)m[0] + normal[1] * (double)m[1] + normal[2] * (double)m[2];
@@ -371,7 +326,7 @@ static vor_status add_joined(struct front *front, const uint32_t corner[3], stru
     if (!find_join(front, corner, join))
         return VOR_OK;
     status = put(front, corner, err);
-    if (status == VOR_OK && !is_free(front, join)) {
+    if (status == VOR_OK && !is_free(front, join, NULL)) {
         vor_complex_remove(complex, (uint32_t)--complex->count);
         return VOR_OK;
     }
@@ -385,6 +340,7 @@ static vor_status step(struct front *front, struct vor_error *err)
     struct open_edge *edge = &front->edge[front->heap[0].point];
     float key = front->heap[0].key, worth;
     uint32_t corner[3] = {edge->b, edge->a}, third[2];
+    struct vor_candidate *candidate;
 
     if (vor_complex_edge(front->complex, edge->a, edge->b, third) != 1) {
         vor_queue_lower(front->heap, front->count, -INFINITY);
@@ -393,7 +349,9 @@ static vor_status step(struct front *front, struct vor_error *err)
     if (!(key > (float)LATER) && edge->around == VOR_BALLS_FEW && !look_farther(front))
         return VOR_OK;
     corner[2] = edge->third;
-    if (!is_free(front, corner)) {
+    candidate = vor_overs_find(front->overs, (uint32_t[3]){edge->a, edge->b, third[0]},
+                               edge->around, edge->third);
+    if (!is_free(front, corner, candidate)) {
         worth = find_best(front, edge);
         vor_queue_lower(front->heap, front->count,
                         edge->around == VOR_BALLS_FEW ? fmaxf(worth, LATER) : worth);
@@ -453,7 +411,7 @@ static vor_status begin_at(struct front *front, uint32_t i, struct vor_error *er
             radius2 = vor_balls_radius2(balls, balls->x[j], balls->x[k], most2);
             if (radius2 < most2 && !touches(front->complex, corner) && is_flat(front, corner, 1) &&
                 joins(front, corner[0], corner[1]) && is_on(front, corner) &&
-                is_free(front, corner)) {
+                is_free(front, corner, NULL)) {
                 most2 = radius2;
                 memcpy(best, corner, sizeof best);
             }
@@ -516,19 +474,22 @@ static vor_status go_on_all(struct front *front, const struct vor_run *run, stru
     for (size_t k = 0; k < sizeof pass / sizeof *pass && status == VOR_OK; k++) {
         front->strict = pass[k].strict;
         front->facing = pass[k].facing;
-        status = go_on(front, run, err);
+        status = vor_overs_make(front->overs, front->balls, front->opens, err);
+        VOR_THEN(status, go_on(front, run, err));
     }
     vor_twosided_free(&front->sides);
     return status;
 }
 
-vor_status vor_front_advance(struct vor_complex *complex, struct vor_balls *balls,
+vor_status vor_front_advance(struct vor_complex *complex, struct vor_overs *overs,
                              const struct vor_run *run, struct vor_error *err)
 {
+    struct vor_balls *balls = overs->balls;
     const struct vor_sheet *sheet = balls->sheet;
     struct front front = {.complex = complex,
                           .sheet = sheet,
                           .balls = balls,
+                          .overs = overs,
                           .by_lists = sheet->graph != NULL,
                           .side = vor_calloc(run->memory, complex->n, 1)};
     vor_status status = front.side == NULL ? vor_fail(err, VOR_E_NOMEM, "%zu points", complex->n)

@@ -20,19 +20,19 @@
 #ifndef VOR_MESH_FRONT_H
 #define VOR_MESH_FRONT_H
 
-#include "core/mesh/balls.h"
 #include "core/mesh/complex.h"
+#include "core/mesh/over.h"
 
 /** Adds triangles until no open edge takes one.
  *
  *  @param[in,out] complex  a manifold; stays so, but for points of several fans
- *  @param[in]     balls    of its points
+ *  @param[in,out] overs    of its points; its balls are set
  *
- *  @retval VOR_E_NOMEM     25 bytes a point and 56 for each edge that was open do not fit
+ *  @retval VOR_E_NOMEM     25 bytes a point and 2 KB for each edge that was open do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
  *  O(n log n), one thread. */
-VOR_NODISCARD vor_status vor_front_advance(struct vor_complex *complex, struct vor_balls *balls,
+VOR_NODISCARD vor_status vor_front_advance(struct vor_complex *complex, struct vor_overs *overs,
                                            const struct vor_run *run, struct vor_error *err);
 
 #endif

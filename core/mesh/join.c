@@ -10,6 +10,7 @@ enum { ROUNDS = 3 };
 struct joining {
     struct vor_complex *complex;
     struct vor_balls balls;
+    struct vor_overs overs;
     const struct vor_run *run;
     size_t closed; /* triangles that closed loops */
 };
@@ -28,7 +29,7 @@ static vor_status close_loops(void *ctx, struct vor_error *err)
 static vor_status advance(void *ctx, struct vor_error *err)
 {
     struct joining *joining = ctx;
-    vor_status status = vor_front_advance(joining->complex, &joining->balls, joining->run, err);
+    vor_status status = vor_front_advance(joining->complex, &joining->overs, joining->run, err);
 
     vor_complex_prune(joining->complex);
     return status;
@@ -41,6 +42,7 @@ vor_status vor_join(struct vor_complex *complex, struct vor_sheet *sheet, int ti
     struct joining joining = {.complex = complex, .run = run};
     vor_status status = vor_balls_make(&joining.balls, sheet, run, err);
 
+    joining.overs.balls = &joining.balls;
     for (int front = 0; front < times && status == VOR_OK; front++) {
         status = vor_run_call(run, advance, &joining, err);
         for (int round = 0; round < ROUNDS && status == VOR_OK; round++) {
@@ -52,6 +54,7 @@ vor_status vor_join(struct vor_complex *complex, struct vor_sheet *sheet, int ti
         }
     }
     VOR_THEN(status, vor_crowded_find(sheet, complex, &joining.balls, run, err));
+    vor_overs_free(&joining.overs);
     vor_balls_free(&joining.balls);
     *filled += joining.closed;
     return status;

@@ -30,6 +30,17 @@ void vor_triangle_normal(double out[3], const float *xyz, const uint32_t corner[
     vor_cross(out, u, v);
 }
 
+int vor_triangle_unit_normal(double out[3], const float *xyz, const uint32_t corner[3])
+{
+    double length;
+
+    vor_triangle_normal(out, xyz, corner);
+    length = sqrt(vor_dot(out, out));
+    for (int c = 0; c < 3; c++)
+        out[c] /= length > 0 ? length : 1;
+    return length > 0;
+}
+
 double vor_triangle_quality(const float *xyz, const uint32_t corner[3])
 {
     double normal[3], perimeter = 0, longest = 0;

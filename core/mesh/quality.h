@@ -27,6 +27,9 @@ double vor_triangle_strain(const float *xyz, const uint32_t corner[3]);
 /** The normal of a triangle, twice as long as its area is large. */
 void vor_triangle_normal(double out[3], const float *xyz, const uint32_t corner[3]);
 
+/** The same of unit length. Returns whether it has an area. */
+int vor_triangle_unit_normal(double out[3], const float *xyz, const uint32_t corner[3]);
+
 /** Cosine of the smallest angle of a triangle; 1 where two corners coincide. */
 double vor_triangle_sharpest(const float *xyz, const uint32_t corner[3]);
 
