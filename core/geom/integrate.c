@@ -107,42 +107,47 @@ int vor_cell_moments_dense(struct vor_moments *out, const struct vor_cell *cell,
     return isfinite(out->centroid[0]) && isfinite(out->centroid[1]) && isfinite(out->centroid[2]);
 }
 
-/* A uniform point of a triangle: the unit square is folded along its diagonal. */
-static void sample_triangle(double out[3], const double *a, const double *b, const double *c,
-                            double s, double t)
+/* Adds a uniform point of a triangle: the unit square is folded along its diagonal. */
+static void add_sample(double to[3], const double *const corner[3], double s, double t)
 {
+    const double *a = corner[0], *b = corner[1], *c = corner[2];
+
     if (s + t > 1) {
         s = 1 - s;
         t = 1 - t;
     }
     for (int d = 0; d < 3; d++)
-        out[d] = a[d] + s * (b[d] - a[d]) + t * (c[d] - a[d]);
+        to[d] += a[d] + s * (b[d] - a[d]) + t * (c[d] - a[d]);
 }
 
-void vor_cell_sample(const struct vor_cell *cell, double area, const double unit[3],
-                     double local[3])
+void vor_cell_sample(const struct vor_cell *cell, double area, size_t n, const double (*unit)[3],
+                     double (*local)[3])
 {
-    double left = unit[0] * area;
+    double part[VOR_PATCH_TRIANGLES_MAX * (VOR_POLYGON_MAX - 2)]; /* areas of its triangles */
+    const double *corner[VOR_PATCH_TRIANGLES_MAX * (VOR_POLYGON_MAX - 2)][3];
+    size_t parts = 0;
 
-    if (!(area > 0)) {
-        memcpy(local, cell->seed, sizeof cell->seed);
-        return;
-    }
-    for (unsigned i = 0; i < cell->count; i++) {
+    part[0] = 0;
+    for (unsigned i = 0; i < cell->count && area > 0; i++) {
         const struct vor_polygon *polygon = &cell->piece[i];
-        const double *a = polygon->vertex[0];
 
-        for (unsigned j = 2; j < polygon->count; j++) {
-            const double *b = polygon->vertex[j - 1], *c = polygon->vertex[j];
+        for (unsigned j = 2; j < polygon->count; j++, parts++) {
+            const double **at = corner[parts];
 
-            /* The point is set before the test: rounding may leave an area after the last one. */
-            sample_triangle(local, a, b, c, unit[1], unit[2]);
-            left -= triangle_area(a, b, c);
-            if (left < 0)
-                goto found;
+            at[0] = polygon->vertex[0];
+            at[1] = polygon->vertex[j - 1];
+            at[2] = polygon->vertex[j];
+            part[parts] = triangle_area(at[0], at[1], at[2]);
         }
     }
-found:
-    for (int d = 0; d < 3; d++)
-        local[d] += cell->seed[d];
+    for (size_t k = 0; k < n; k++) {
+        double left = unit[k][0] * area - part[0];
+        size_t at = 0;
+
+        memcpy(local[k], cell->seed, sizeof cell->seed);
+        while (!(left < 0) && at + 1 < parts) /* rounding may leave an area after the last one */
+            left -= part[++at];
+        if (parts > 0)
+            add_sample(local[k], corner[at], unit[k][1], unit[k][2]);
+    }
 }

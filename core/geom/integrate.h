@@ -31,15 +31,15 @@ struct vor_cell_spacing {
 int vor_cell_moments_dense(struct vor_moments *out, const struct vor_cell *cell,
                            const struct vor_cell_spacing *spacing);
 
-/** Draws a point of the cell, uniform by area.
+/** Draws n points of the cell, uniform by area.
  *
  *  @param[in]  area   of the cell (vor_cell_moments); 0 where it has none
- *  @param[in]  unit   three uniform numbers in [0, 1)
- *  @param[out] local  the point, in the surface's local coordinates; the seed where the cell has no
- *                     area
+ *  @param[in]  unit   of each, three uniform numbers in [0, 1)
+ *  @param[out] local  the points, in the surface's local coordinates; the seed where the cell has
+ *                     no area
  *
- *  O(corners of the cell). */
-void vor_cell_sample(const struct vor_cell *cell, double area, const double unit[3],
-                     double local[3]);
+ *  O(n corners of the cell). */
+void vor_cell_sample(const struct vor_cell *cell, double area, size_t n, const double (*unit)[3],
+                     double (*local)[3]);
 
 #endif

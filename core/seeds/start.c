@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/base/rng.h"
+#include "core/base/vector.h"
 #include "core/geom/integrate.h"
 #include "core/seeds/area.h"
 #include "core/seeds/hurried.h"
@@ -50,6 +51,8 @@ struct spread {
     size_t kept;    /* places before those of the samples that are taken and stay: 0 or 1 */
     double at[1 + TOGETHER][3];
     double pool[TOGETHER * RANDOM][3];
+    double x[TOGETHER * RANDOM], y[TOGETHER * RANDOM]; /* of the pool */
+    int64_t nearest[TOGETHER * RANDOM];                /* place nearest to each point */
 };
 
 /* The running sum of the areas of one set of seeds, from which another set is sampled. */
@@ -76,51 +79,70 @@ static double apart2(const double a[3], const double b[3])
     return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]);
 }
 
-/* Puts each sample at that of its own random points that is farthest from the samples before it. */
-static void start_apart(struct spread *spread)
+/* Lessens squared distances of `count` points of the pool, the first of which is `first`, to those
+ * along the surface from place i, and notes it for those that it is nearest to. */
+VOR_INLINE void approach(struct spread *spread, double *least2, size_t first, size_t count,
+                         size_t i)
 {
-    for (size_t i = 0; i < spread->n; i++) {
-        double farthest = -1;
+    const double *x = &spread->x[first], *y = &spread->y[first];
+    int64_t *nearest = &spread->nearest[first];
+    double u = spread->at[i][0], v = spread->at[i][1];
 
-        for (size_t j = i * spread->each; j < (i + 1) * spread->each; j++) {
-            double nearest = INFINITY;
+    for (size_t j = 0; j < count; j++) {
+        double d2 = (x[j] - u) * (x[j] - u) + (y[j] - v) * (y[j] - v);
 
-            for (size_t before = 0; before < spread->kept + i; before++)
-                nearest = fmin(nearest, apart2(spread->pool[j], spread->at[before]));
-            if (nearest > farthest) {
-                farthest = nearest;
-                memcpy(spread->at[spread->kept + i], spread->pool[j], sizeof spread->at[i]);
-            }
-        }
+        nearest[j] = d2 < least2[j] ? (int64_t)i : nearest[j];
+        least2[j] = d2 < least2[j] ? d2 : least2[j];
     }
 }
 
-static size_t nearest_sample(const struct spread *spread, const double x[3])
+/* Puts each sample at that of its own random points that is farthest from the samples before it. */
+VOR_CLONES static void start_apart(struct spread *spread)
 {
-    size_t nearest = 0;
+    for (size_t i = 0; i < spread->n; i++) {
+        size_t first = i * spread->each, farthest = 0;
+        double least2[RANDOM];
 
-    for (size_t i = 1; i < spread->kept + spread->n; i++)
-        if (apart2(x, spread->at[i]) < apart2(x, spread->at[nearest]))
-            nearest = i;
-    return nearest;
+        for (size_t j = 0; j < spread->each; j++)
+            least2[j] = INFINITY;
+        for (size_t before = 0; before < spread->kept + i; before++)
+            approach(spread, least2, first, spread->each, before);
+        for (size_t j = 1; j < spread->each; j++)
+            farthest = least2[j] > least2[farthest] ? j : farthest;
+        memcpy(spread->at[spread->kept + i], spread->pool[first + farthest], sizeof spread->at[i]);
+    }
 }
 
-/* Moves each sample to the mean of the random points nearest to it. */
-static void relax(struct spread *spread)
+/* Moves each sample to the mean of the random points nearest to it. Returns whether these are
+ * others than in the round before. */
+VOR_CLONES static int relax(struct spread *spread)
 {
-    double sum[1 + TOGETHER][3], count[1 + TOGETHER] = {0};
+    double sum[1 + TOGETHER][3], count[1 + TOGETHER], least2[TOGETHER * RANDOM];
+    int64_t before[TOGETHER * RANDOM];
+    size_t drawn = spread->n * spread->each, places = spread->kept + spread->n;
+    int others = 0;
 
-    memset(sum, 0, sizeof sum);
-    for (size_t j = 0; j < spread->n * spread->each; j++) {
-        size_t i = nearest_sample(spread, spread->pool[j]);
+    memset(sum, 0, places * sizeof *sum);
+    memset(count, 0, places * sizeof *count);
+    memcpy(before, spread->nearest, drawn * sizeof *before);
+    for (size_t j = 0; j < drawn; j++) {
+        least2[j] = INFINITY;
+        spread->nearest[j] = 0;
+    }
+    for (size_t i = 0; i < places; i++)
+        approach(spread, least2, 0, drawn, i);
+    for (size_t j = 0; j < drawn; j++) {
+        size_t i = (size_t)spread->nearest[j];
 
+        others |= spread->nearest[j] != before[j];
         count[i]++;
         for (int c = 0; c < 3; c++)
             sum[i][c] += spread->pool[j][c];
     }
-    for (size_t i = spread->kept; i < spread->kept + spread->n; i++)
+    for (size_t i = spread->kept; others && i < places; i++)
         for (int c = 0; c < 3 && count[i] > 0; c++)
             spread->at[i][c] = sum[i][c] / count[i];
+    return others;
 }
 
 /* Moves a place on the surface of a fit to where the points of the fit have it: as far above the
@@ -188,9 +210,9 @@ static void sample_cell(const struct areas *areas, struct vor_scratch *scratch, 
 {
     struct vor_moments moments;
     double area = vor_cell_moments(&moments, &scratch->cell) ? moments.area : 0;
+    double unit[TOGETHER * RANDOM][3];
     struct spread spread;
     size_t drawn;
-    double unit[3];
 
     spread.n = n;
     spread.kept = areas->kept;
@@ -198,14 +220,18 @@ static void sample_cell(const struct areas *areas, struct vor_scratch *scratch, 
     drawn = n * spread.each;
     memcpy(spread.at[0], scratch->cell.seed, sizeof spread.at[0]);
     assert(drawn > 0 && n <= TOGETHER);
-    for (size_t j = 0; j < drawn; j++) {
+    for (size_t j = 0; j < drawn; j++)
         for (size_t c = 0; c < 3; c++)
-            unit[c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * (first * RANDOM + j) + c);
-        vor_cell_sample(&scratch->cell, area, unit, spread.pool[j]);
+            unit[j][c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * (first * RANDOM + j) + c);
+    vor_cell_sample(&scratch->cell, area, drawn, unit, spread.pool);
+    for (size_t j = 0; j < drawn; j++) {
+        spread.x[j] = spread.pool[j][0];
+        spread.y[j] = spread.pool[j][1];
+        spread.nearest[j] = -1;
     }
     start_apart(&spread);
-    for (int round = 0; round < ROUNDS; round++)
-        relax(&spread);
+    for (int round = 0; round < ROUNDS && relax(&spread); round++)
+        ;
     for (size_t i = 0; i < n; i++)
         place_sample(areas, scratch, first + i, spread.at[spread.kept + i]);
 }

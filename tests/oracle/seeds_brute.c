@@ -204,7 +204,7 @@ VT_TEST_LOOP(a_sample_of_a_cell_is_nearest_to_its_own_seed, SEEDS)
             continue;
         for (size_t c = 0; c < 3; c++)
             unit[c] = vt_unit((uint64_t)_i + 3, 3 * i + c);
-        vor_cell_sample(&scratch->cell, moments.area, unit, local);
+        vor_cell_sample(&scratch->cell, moments.area, 1, &unit, &local);
         vor_surface_to_world(&scratch->here.surface, local, x);
         for (size_t c = 0; c < 3; c++)
             own += pow(x[c] - (double)bed.seeds.xyz[3 * i + c], 2);

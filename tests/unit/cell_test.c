@@ -158,7 +158,7 @@ VT_TEST(a_seed_far_off_its_surface_may_have_no_cell)
     clip(&cell, 0, 0, -10);
     ck_assert_uint_eq(cell.count, 0);
     ck_assert(!vor_cell_moments(&m, &cell));
-    vor_cell_sample(&cell, 0, (double[3]){0.5, 0.5, 0.5}, local);
+    vor_cell_sample(&cell, 0, 1, (const double[1][3]){{0.5, 0.5, 0.5}}, &local);
     ck_assert(memcmp(local, seed, sizeof local) == 0);
 }
 
@@ -198,7 +198,7 @@ VT_TEST_LOOP(a_sample_lies_in_the_cell, SEEDS)
 
         for (uint64_t c = 0; c < 3; c++)
             unit[c] = vt_unit((uint64_t)_i + 77, 3 * s + c);
-        vor_cell_sample(&cell, m.area, unit, local);
+        vor_cell_sample(&cell, m.area, 1, &unit, &local);
         for (int c = 0; c < 3; c++)
             local[c] -= cell.seed[c];
         ck_assert_double_le(vor_dot(local, local), cell.radius2 * (1 + 1e-12));
