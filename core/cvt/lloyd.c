@@ -254,6 +254,7 @@ static void lloyd_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_scratch *scratch = &cvt->seeds->scratch[worker];
     struct block_sums sums = {0};
 
+    vor_seeds_input_ahead(cvt->seeds, begin, end);
     for (size_t i = begin; i < end; i++) {
         lloyd_step(cvt, scratch, i, &sums);
         sums.max_move = fmax(sums.max_move, move2(cvt, cvt->lloyd, i));

@@ -102,7 +102,7 @@ int vor_lattice_is_wide(const struct vor_lattice *lattice);
  *  @retval VOR_E_NOMEM 12 n bytes do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for; the domain is to be freed
  *
- *  O(n k), 6 to 10 us of CPU a point, on the run's pool. The same points for any number of threads.
+ *  O(n k), 3 us of CPU a point, on the run's pool. The same points for any number of threads.
  */
 VOR_NODISCARD vor_status vor_lattice_smooth(struct vor_domain *domain, size_t *moved,
                                             const struct vor_lattice *lattice,

@@ -9,6 +9,9 @@
 /* Most entries of a list. */
 enum { WIDE_MAX = 1024 };
 
+/* Added to the neighbours of a list that no search has seen. */
+enum { UNSEEN = 1 << 15 };
+
 /* Factor by which a distance in float32 may be off, and more: it has six roundings of 6e-8. */
 #define ROUNDING 1.00001f
 
@@ -148,6 +151,39 @@ static unsigned select(const struct vor_input_lists *lists, size_t i, unsigned k
     return exchanged;
 }
 
+/* Notes that a new list has been made for k neighbours, of which the last is that far. */
+static void note(struct vor_input_lists *lists, size_t i, const float x[3], unsigned k, float last2)
+{
+    unsigned wide = width(lists, k & ~(unsigned)UNSEEN);
+
+    memcpy(&lists->anchor[3 * i], x, 3 * sizeof *x);
+    lists->reach[i] = wide < lists->m ? sqrtf(last2) : INFINITY;
+    lists->k[i] = (uint16_t)k;
+    lists->has[i] = (uint16_t)wide;
+}
+
+void vor_input_lists_make(struct vor_input_lists *lists, size_t first, size_t count,
+                          const float *xyz, unsigned k)
+{
+    uint32_t index[VOR_KNN_NEAR_MAX * VOR_INPUT_LISTS_TOGETHER];
+    float distance2[VOR_KNN_NEAR_MAX * VOR_INPUT_LISTS_TOGETHER];
+    unsigned wide = width(lists, k);
+    struct vor_knn_near near = {.k = wide,
+                                .guess = vor_knn_near_guess(lists->far2, lists->tried, wide)};
+
+    for (size_t from = first; wide <= VOR_INPUT_LISTS_TOGETHER && from < first + count;
+         from += near.count) {
+        near.queries = &xyz[3 * from];
+        near.count =
+            first + count - from < VOR_KNN_NEAR_MAX ? first + count - from : VOR_KNN_NEAR_MAX;
+        vor_knn_search_near(lists->knn, &near, index, distance2);
+        for (size_t i = 0; i < near.count; i++) {
+            memcpy(&lists->list[(from + i) * lists->wide], &index[i * wide], wide * sizeof *index);
+            note(lists, from + i, &xyz[3 * (from + i)], k | UNSEEN, distance2[(i + 1) * wide - 1]);
+        }
+    }
+}
+
 enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists, size_t i,
                                                   const float x[3], unsigned k,
                                                   const uint32_t **index)
@@ -159,6 +195,11 @@ enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists,
 
     assert(k >= 1 && k <= lists->most);
     *index = list;
+    if (lists->reach[i] >= 0 && lists->k[i] == (k | UNSEEN) &&
+        !(squared(&lists->anchor[3 * i], x) > 0)) {
+        lists->k[i] = (uint16_t)k;
+        return VOR_INPUT_LISTS_ANEW;
+    }
     if (lists->reach[i] >= 0 && lists->k[i] == k) {
         float moved = sqrtf(squared(&lists->anchor[3 * i], x));
 
@@ -177,10 +218,7 @@ enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists,
     near.within = within < INFINITY ? &within : NULL;
     near.guess = vor_knn_near_guess(lists->far2, lists->tried, wide);
     vor_knn_search_near(lists->knn, &near, list, distance2);
-    memcpy(&lists->anchor[3 * i], x, 3 * sizeof *x);
-    lists->reach[i] = wide < lists->m ? sqrtf(distance2[wide - 1]) : INFINITY;
-    lists->k[i] = (uint16_t)k;
-    lists->has[i] = (uint16_t)wide;
+    note(lists, i, x, k, distance2[wide - 1]);
     return VOR_INPUT_LISTS_ANEW;
 }
 

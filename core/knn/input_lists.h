@@ -10,6 +10,9 @@
 
 #include "core/knn/knn.h"
 
+/** Most entries of lists that are made together. */
+#define VOR_INPUT_LISTS_TOGETHER 128
+
 /** The lists; owns the arrays, borrows knn and reference. */
 struct vor_input_lists {
     struct vor_memory *memory;
@@ -18,7 +21,8 @@ struct vor_input_lists {
     size_t n, m;            /* queries, reference points */
     unsigned most, wide;    /* most neighbours of an answer; entries of a list for that many */
     int still;              /* queries hardly move */
-    uint16_t *k;            /* n: neighbours that each list answers */
+    uint16_t *k;            /* n: neighbours that each list answers; of a new one that no search
+                               has seen, more than any does */
     uint16_t *has;          /* n: entries of each list */
     uint32_t *list;         /* n x wide, the k nearest first */
     float *anchor;          /* n x 3: where the query was when its list was made */
@@ -73,6 +77,16 @@ enum vor_input_lists_found {
 enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists, size_t i,
                                                   const float x[3], unsigned k,
                                                   const uint32_t **index);
+
+/** Makes the lists of successive queries together (vor_knn_search_near), if a list has at most
+ *  VOR_INPUT_LISTS_TOGETHER entries. The next search for the same k neighbours of one of these, if
+ *  it has not moved, has a new list; any other search makes one.
+ *
+ *  @param[in] xyz  of all queries
+ *
+ *  O(count k log m), for near queries a third of what the searches take one by one. */
+void vor_input_lists_make(struct vor_input_lists *lists, size_t first, size_t count,
+                          const float *xyz, unsigned k);
 
 /** Leaves only some of the points around query i to its list, until that is made anew: searches
  * find the nearest of those, and fewer than k where there are fewer.

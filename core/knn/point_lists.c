@@ -299,20 +299,89 @@ static void add_jumpers(struct vor_crowd *crowd, const struct vor_point_lists_vi
     }
 }
 
+/* Whether a list that holds all within `sure` has to be made anew, of which the sixth nearest is
+ * that far. */
+static int is_poor(double sure, float sixth2)
+{
+    return !(sure > 0 && sure * sure > COVERED * COVERED * (double)sixth2);
+}
+
+/* Whether that of point i has to be. As it is nearly sorted, its first six mostly tell. */
+static int has_poor(const struct vor_point_lists *lists, const struct vor_point_lists_view *view,
+                    size_t i)
+{
+    const uint32_t *list = &lists->list[i * lists->listed];
+    double sure = sure_of(lists, view, i);
+    float six2[6] = {0};
+
+    for (unsigned j = 0; j < lists->listed; j++) {
+        float d2 = distance2(view, i, list[j]);
+        unsigned at = j < 6 ? j : 5;
+
+        if (j == 6 && !is_poor(sure, six2[5]))
+            return 0;
+        if (j >= 6 && d2 >= six2[5])
+            continue;
+        for (; at > 0 && d2 < six2[at - 1]; at--)
+            six2[at] = six2[at - 1];
+        six2[at] = d2;
+    }
+    return is_poor(sure, six2[5]);
+}
+
+/* Makes lists anew of points near each other where they are, and moves their places there. */
+static void make_anew(struct vor_point_lists *lists, const struct vor_point_lists_view *view,
+                      const uint32_t *who, size_t count)
+{
+    uint32_t index[VOR_KNN_NEAR_MAX * (VOR_POINT_LISTS_LISTED_MAX + 1)];
+    float found2[VOR_KNN_NEAR_MAX * (VOR_POINT_LISTS_LISTED_MAX + 1)];
+    float query[3 * VOR_KNN_NEAR_MAX], within[VOR_KNN_NEAR_MAX];
+    unsigned width = lists->listed + 1;
+    struct vor_knn_near near = {query, count, width, within, 0};
+
+    for (size_t i = 0; i < count; i++) {
+        const float *at = &view->xyz[3 * (size_t)who[i]];
+        float *place = &lists->place[3 * (size_t)who[i]];
+
+        within[i] = lists->reach[who[i]] + sqrtf((float)vor_distance2f(place, at));
+        memcpy(&query[3 * i], at, 3 * sizeof *at);
+        memcpy(place, at, 3 * sizeof *at);
+    }
+    vor_knn_search_near(lists->knn, &near, index, found2);
+    for (size_t i = 0; i < count; i++)
+        make_list(lists, who[i], &index[i * width], &found2[i * width]);
+}
+
+unsigned vor_point_lists_renew(struct vor_point_lists *lists,
+                               const struct vor_point_lists_view *view, const uint32_t *who,
+                               size_t count)
+{
+    uint32_t poor[VOR_KNN_NEAR_MAX];
+    unsigned some = 0, all = 0;
+
+    for (size_t i = 0; i < count && lists->listed >= 6; i++) {
+        if (has_poor(lists, view, who[i]) &&
+            vor_distance2f(&lists->place[3 * (size_t)who[i]], &view->xyz[3 * (size_t)who[i]]) > 0)
+            poor[some++] = who[i];
+        if (some == VOR_KNN_NEAR_MAX || (some > 0 && i + 1 == count)) {
+            make_anew(lists, view, poor, some);
+            all += some;
+            some = 0;
+        }
+    }
+    return all;
+}
+
 unsigned vor_point_lists_crowd(struct vor_crowd *out, struct vor_point_lists *lists,
                                const struct vor_point_lists_view *view, size_t i)
 {
-    uint32_t index[VOR_POINT_LISTS_LISTED_MAX + 1];
-    float found2[VOR_POINT_LISTS_LISTED_MAX + 1];
+    const uint32_t who = (uint32_t)i;
     unsigned searches = 0;
 
     sort_list(out, lists, view, i);
-    if (!(out->count < 6 || (out->sure > 0 && out->sure * out->sure >
-                                                  COVERED * COVERED * (double)out->distance2[5])) &&
+    if (out->count >= 6 && is_poor(out->sure, out->distance2[5]) &&
         vor_distance2f(&lists->place[3 * i], &view->xyz[3 * i]) > 0) {
-        vor_knn_search(lists->knn, &view->xyz[3 * i], 1, lists->listed + 1, index, found2);
-        memcpy(&lists->place[3 * i], &view->xyz[3 * i], 3 * sizeof(float));
-        make_list(lists, i, index, found2);
+        make_anew(lists, view, &who, 1);
         sort_list(out, lists, view, i);
         searches = 1;
     }

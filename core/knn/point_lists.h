@@ -112,6 +112,18 @@ struct vor_crowd {
 unsigned vor_point_lists_crowd(struct vor_crowd *out, struct vor_point_lists *lists,
                                const struct vor_point_lists_view *view, size_t i);
 
+/** Makes the lists of points near each other anew, together (vor_knn_search_near): those that
+ *  vor_point_lists_crowd would make anew.
+ *
+ *  @param[in] who  `count` of the points
+ *
+ *  @return number of searches done
+ *
+ *  O(count listed), and a third of what the searches take one by one. */
+unsigned vor_point_lists_renew(struct vor_point_lists *lists,
+                               const struct vor_point_lists_view *view, const uint32_t *who,
+                               size_t count);
+
 /** The neighbours within `distance`, in no order, if the list holds them all for certain; else
  *  vor_point_lists_crowd. */
 unsigned vor_point_lists_within(struct vor_crowd *out, struct vor_point_lists *lists,

@@ -341,7 +341,7 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
         return status;
     memcpy(samples->xyz, even->next, 3 * samples->n * sizeof *samples->xyz);
     note(even);
-    stage->record.max_move = vor_repel_longest(even->step, even->samples->n) * stage->domain->unit;
+    vor_stage_note_move(stage, even->step);
     return VOR_OK;
 }
 

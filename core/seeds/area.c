@@ -68,6 +68,8 @@ static void measure_block(void *ctx, size_t begin, size_t end, unsigned worker)
     double points = (double)seeds->domain->n / (double)seeds->n;
     struct vor_moments moments;
 
+    if (!vor_run_is_late(&seeds->run))
+        vor_seeds_input_ahead(areas->seeds, begin, end);
     for (size_t i = begin; i < end; i++) {
         areas->end[i] = 0;
         if (vor_run_is_late(&seeds->run))

@@ -356,6 +356,12 @@ static void glide(struct polish *polish, struct vor_glide *far)
     far->count = 0;
 }
 
+/* Whether a hole next to seed i is looked for. */
+static int is_asked(const struct polish *polish, size_t i)
+{
+    return polish->cells && !(polish->quiet[i] && polish->stage.record.step % polish->aim->quiet);
+}
+
 /* Mostly the last fit serves, the list has all that is near, and no hole is looked for. */
 static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
@@ -363,13 +369,21 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_seeds *seeds = polish->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
     struct vor_glide far = {.count = 0};
+    double force[VOR_SEEDS_BLOCK][3] = {{0}};
+    int sums[VOR_SEEDS_BLOCK] = {0};
+    uint32_t who[VOR_SEEDS_BLOCK] = {0};
+    size_t count = 0;
 
     for (size_t i = begin; i < end; i++) {
+        sums[i - begin] = sum_forces(polish, i, force[i - begin]);
+        if (is_asked(polish, i))
+            who[count++] = (uint32_t)i;
+    }
+    vor_seeds_crowd_ahead(seeds, scratch, who, count);
+    for (size_t i = begin; i < end; i++) {
         const struct vor_surface *last = vor_seeds_last(seeds, i, &polish->recall);
-        int cell =
-            polish->cells && !(polish->quiet[i] && polish->stage.record.step % polish->aim->quiet);
-        double v[3] = {0};
-        int summed = sum_forces(polish, i, v);
+        int cell = is_asked(polish, i), summed = sums[i - begin];
+        double *v = force[i - begin];
 
         if (summed && last != NULL && !cell) {
             add_pull(polish, i, v);
@@ -406,18 +420,6 @@ static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
     }
 }
 
-double vor_repel_longest(const float *step, size_t n)
-{
-    double longest = 0;
-
-    for (size_t i = 0; i < n; i++) {
-        double length2 = vor_dotf(&step[3 * i], &step[3 * i]);
-
-        longest = length2 > longest ? length2 : longest; /* fmax crashes gcc 12 for arm64 */
-    }
-    return sqrt(longest);
-}
-
 static vor_status measure(struct vor_stage *stage, struct vor_error *err)
 {
     const struct polish *polish = stage->of;
@@ -428,8 +430,7 @@ static vor_status measure(struct vor_stage *stage, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     vor_stage_note(stage, &even);
-    stage->record.max_move =
-        vor_repel_longest(polish->step, polish->seeds->n) * stage->domain->unit;
+    vor_stage_note_move(stage, polish->step);
     return VOR_OK;
 }
 

@@ -95,9 +95,6 @@ static inline struct vor_repel_pace vor_repel_pace_at(unsigned hard, unsigned do
  *  move no figure. */
 #define VOR_REPEL_FORCE_MAX 50.0
 
-/** The longest of n steps. O(n). */
-double vor_repel_longest(const float *step, size_t n);
-
 /** What follows a method: attaches the seeds to the input, evens them out, and attaches them to the
  *  whole of it (seeds/attach.h). seeds->xyz ends as the most even positions of all, those before
  *  the first step included; with evenness=cover as the last ones, if that half is reached. The

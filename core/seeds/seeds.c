@@ -33,8 +33,7 @@ static unsigned at_most_all(const struct vor_seeds *seeds, unsigned k)
     return k < seeds->domain->n ? k : (unsigned)seeds->domain->n;
 }
 
-/* How many input points a surface at x is fitted to. */
-static unsigned asked(const struct vor_seeds *seeds, const float x[3])
+unsigned vor_seeds_asked(const struct vor_seeds *seeds, const float x[3])
 {
     return at_most_all(seeds, vor_neighbors_at(&seeds->whole->known.neighbors, x));
 }
@@ -188,7 +187,8 @@ static int gather_layer(const struct vor_seeds *seeds, struct vor_place *place, 
         way = atomic_load_explicit(&seeds->way[index[j]], memory_order_relaxed);
         if (way > 0)
             continue;
-        way = vor_sheets_way(domain, index[j], asked(seeds, vor_domain_point(domain, index[j])));
+        way = vor_sheets_way(domain, index[j],
+                             vor_seeds_asked(seeds, vor_domain_point(domain, index[j])));
         atomic_store_explicit(&seeds->way[index[j]], way, memory_order_relaxed);
     }
     return way != VOR_SHEETS_NO_WAY &&
@@ -263,10 +263,10 @@ static enum vor_input_lists_found search(struct vor_seeds *seeds, struct vor_scr
         if (found != VOR_INPUT_LISTS_ANEW)
             return found;
         scratch->queries++;
-        if (asked(seeds, x) == last->k)
+        if (vor_seeds_asked(seeds, x) == last->k)
             return VOR_INPUT_LISTS_ANEW;
     }
-    last->k = (uint16_t)asked(seeds, x);
+    last->k = (uint16_t)vor_seeds_asked(seeds, x);
     scratch->queries++;
     return vor_input_lists_search(&seeds->input_lists, i, x, last->k, index);
 }
@@ -335,7 +335,7 @@ enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor
     uint32_t index[VOR_NEIGHBORS_MAX];
     float distance2[VOR_NEIGHBORS_MAX];
     struct vor_layer layer;
-    unsigned k = asked(seeds, query);
+    unsigned k = vor_seeds_asked(seeds, query);
 
     vor_knn_search(seeds->domain->knn, query, 1, k, index, distance2);
     scratch->queries++;

@@ -173,6 +173,9 @@ VOR_NODISCARD vor_status vor_seeds_onto(struct vor_seeds *seeds, const struct vo
 VOR_NODISCARD vor_status vor_seeds_index(struct vor_seeds *seeds, const struct vor_run *run,
                                          struct vor_error *err);
 
+/** How many input points a surface at x is fitted to. */
+unsigned vor_seeds_asked(const struct vor_seeds *seeds, const float x[3]);
+
 /** Gathers the input points around seed i in scratch->here and fits its surface, unless these
  *  points gave it before. Returns its kind. O(k), O(k log n) when a list is made anew. */
 enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i);
@@ -216,6 +219,14 @@ enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scrat
  *  surface was replaced. */
 int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
                      struct vor_surface *surface);
+
+/** Makes lists for the calls that follow, of seeds near each other together: as the searches that
+ *  they spare, in a third of the time. What is computed is the same, unless input points are
+ *  equally far. vor_seeds_input_ahead is for vor_seeds_fit of seeds `begin` to before `end`, those
+ *  never fitted before; vor_seeds_crowd_ahead for vor_seeds_crowd of `count` seeds. */
+void vor_seeds_input_ahead(struct vor_seeds *seeds, size_t begin, size_t end);
+void vor_seeds_crowd_ahead(struct vor_seeds *seeds, struct vor_scratch *scratch,
+                           const uint32_t *who, size_t count);
 
 /** Gathers the seeds around seed i in scratch->crowd, as of the last index
  *  (vor_point_lists_crowd). */

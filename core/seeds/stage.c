@@ -1,5 +1,6 @@
 #include "core/seeds/stage.h"
 
+#include "core/base/linalg.h"
 #include "core/seeds/checkpoint.h"
 #include "core/seeds/uniformity.h"
 
@@ -35,6 +36,18 @@ void vor_stage_note(struct vor_stage *stage, const struct vor_uniformity *even)
     stage->record.delta = even->delta;
     stage->record.sigma = even->sigma * stage->domain->unit;
     stage->record.epsilon = even->epsilon;
+}
+
+void vor_stage_note_move(struct vor_stage *stage, const float *step)
+{
+    double longest = 0;
+
+    for (size_t i = 0; i < stage->n; i++) {
+        double length2 = vor_dotf(&step[3 * i], &step[3 * i]);
+
+        longest = length2 > longest ? length2 : longest; /* fmax crashes gcc 12 for arm64 */
+    }
+    stage->record.max_move = sqrt(longest) * stage->domain->unit;
 }
 
 vor_status vor_stage_measure(struct vor_stage *stage, struct vor_error *err)

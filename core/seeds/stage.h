@@ -82,6 +82,9 @@ VOR_NODISCARD vor_status vor_stage_measure(struct vor_stage *stage, struct vor_e
 /** Writes how even the points are into the record. */
 void vor_stage_note(struct vor_stage *stage, const struct vor_uniformity *even);
 
+/** Writes the longest of the points' last steps, n x 3, into the record. O(n). */
+void vor_stage_note_move(struct vor_stage *stage, const float *step);
+
 /** Measures the seeds and keeps them however even they are: those before no longer count. Fails as
  *  vor_seeds_uniformity_now. */
 VOR_NODISCARD vor_status vor_stage_restart(struct vor_stage *stage, struct vor_error *err);

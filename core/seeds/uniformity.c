@@ -248,7 +248,20 @@ static unsigned near_seed(void *ctx, size_t i, unsigned worker, float *offset, d
     return k;
 }
 
+static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct vor_seeds *seeds = ctx;
+    uint32_t who[VOR_SEEDS_BLOCK];
+
+    for (size_t i = begin; i < end; i++)
+        who[i - begin] = (uint32_t)i;
+    vor_seeds_crowd_ahead(seeds, &seeds->scratch[worker], who, end - begin);
+}
+
 vor_status vor_seeds_cells(struct vor_cells *out, struct vor_seeds *seeds, struct vor_error *err)
 {
-    return vor_cells_of(out, seeds->n, near_seed, seeds, &seeds->run, err);
+    vor_status status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, list_block, seeds, err);
+
+    VOR_THEN(status, vor_cells_of(out, seeds->n, near_seed, seeds, &seeds->run, err));
+    return status;
 }

@@ -1,4 +1,5 @@
 /* Oracle: distances between clouds against a look at every pair. */
+#include "core/base/stat.h"
 #include "core/geom/plane.h"
 #include "core/knn/knn.h"
 #include "core/metrics/distance.h"
@@ -9,13 +10,6 @@
 #include <stdlib.h>
 
 enum { SEEDS = 20 };
-
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
 
 static void at(double x[3], const struct vor_cloud *cloud, size_t i)
 {
@@ -120,19 +114,19 @@ VT_TEST_LOOP(the_distances_are_those_of_a_look_at_every_pair, SEEDS)
     kth_from(d, &cloud, &reference, 0);
     ck_assert_double_eq_tol(found.out_to_ref_mean, mean_of(d, n), 1e-6);
     ck_assert_double_eq_tol(found.out_to_ref_rms, rms_of(d, n), 1e-6);
-    qsort(d, n, sizeof *d, ascending);
+    vor_sort_doubles(d, n);
     far = d[n - 1];
     ck_assert_double_eq_tol(found.out_to_ref_max, far, 1e-6);
     kth_from(d, &reference, &cloud, 0);
     ck_assert_double_eq_tol(found.ref_to_out_mean, mean_of(d, m), 1e-6);
     ck_assert_double_eq_tol(found.ref_to_out_rms, rms_of(d, m), 1e-6);
-    qsort(d, m, sizeof *d, ascending);
+    vor_sort_doubles(d, m);
     ck_assert_double_eq_tol(found.ref_to_out_max, d[m - 1], 1e-6);
     ck_assert_double_eq_tol(found.hausdorff, fmax(far, d[m - 1]), 1e-6);
     ck_assert_double_eq_tol(found.hausdorff_relative * diagonal, fmax(far, d[m - 1]), 1e-6);
     kth_from(d, &reference, &reference, 6);
     knn6 = mean_of(d, m);
-    qsort(d, m, sizeof *d, ascending);
+    vor_sort_doubles(d, m);
     rank = 0.999 * (double)(m - 1);
     p999 = d[(size_t)rank] + (rank - floor(rank)) * (d[(size_t)rank + 1] - d[(size_t)rank]);
     ck_assert_double_eq_tol(found.far_over_knn6_mean, far / knn6, 1e-5);

@@ -209,9 +209,26 @@ static void check_wide(struct flock *flock, size_t i, size_t width)
     ck_assert_int_eq(isinf(sure) != 0, width == flock->n);
 }
 
+/* Once lists are renewed no crowd is searched for. */
+static void renew(struct flock *flock, uint64_t seed)
+{
+    uint32_t who[ASKED] = {0};
+    struct vor_crowd crowd;
+    size_t count = flock->n < ASKED ? flock->n : ASKED, first = seed % (flock->n - count + 1);
+
+    for (size_t a = 0; a < count; a++)
+        who[a] = (uint32_t)(first + a);
+    (void)vor_point_lists_renew(&flock->point_lists, &flock->view, who, count);
+    for (size_t a = 0; a < count; a++)
+        ck_assert_uint_eq(vor_point_lists_crowd(&crowd, &flock->point_lists, &flock->view, who[a]),
+                          0);
+}
+
 /* Asks for some of the points, the jumpers among them. */
 static void check_all(struct flock *flock, uint64_t seed)
 {
+    if (seed % 3 == 0)
+        renew(flock, seed);
     for (size_t a = 0; a < ASKED && a < flock->n; a++) {
         size_t i = flock->n <= ASKED ? a : (size_t)vor_rng_below(seed, 61, a, flock->n);
         size_t width = 1 + (size_t)vor_rng_below(seed, 62, a, flock->n);

@@ -1,6 +1,7 @@
 /* Chen 2018, Sec. 5.3: cells are longer along the direction of least curvature, or as tensors of
  * the input ask. Measured against the curvature of the shape itself: each cell is clipped again, in
  * the true metric of the true tangent plane. */
+#include "core/base/stat.h"
 #include "core/input/anisotropy.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
@@ -163,13 +164,6 @@ static void measure(double *off, double *nearest, const struct vor_cloud *cloud,
     *off = fabs(aspect_of(corner, corners) / truth->aspect - 1);
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const double *x = a, *y = b;
-
-    return (*x > *y) - (*x < *y);
-}
-
 static const struct {
     const char *name;
     void (*make)(struct vor_cloud *cloud);
@@ -201,7 +195,7 @@ VT_TEST_LOOP(cells_are_as_long_as_the_curvatures_of_the_shape_ask_for, 2)
         sum2 += nearest * nearest;
     }
     ck_assert_uint_gt(n, OUT / 2);
-    qsort(off, n, sizeof *off, ascending);
+    vor_sort_doubles(off, n);
     delta = sqrt(sum2 / (double)n / (sum / (double)n * sum / (double)n) - 1);
     ck_assert_msg(off[n / 2] <= 0.15 && off[n * 9 / 10] <= 0.3 && delta <= 0.08,
                   "%s: off by %g, one in ten by %g, delta %g", shapes[_i].name, off[n / 2],
@@ -255,7 +249,7 @@ VT_TEST(cells_follow_a_planted_field_of_tensors)
             continue;
         measure(&off[n++], &nearest, &out, i, &truth);
     }
-    qsort(off, n, sizeof *off, ascending);
+    vor_sort_doubles(off, n);
     ck_assert_msg(off[n / 2] <= 0.15 && off[n * 9 / 10] <= 0.3, "off by %g, one in ten by %g",
                   off[n / 2], off[n * 9 / 10]);
     ck_assert_double_eq_tol(report.metric_median, 4, 0.1);

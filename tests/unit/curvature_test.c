@@ -1,11 +1,11 @@
 /* Principal curvatures of made surfaces of which the truth is known. */
+#include "core/base/stat.h"
 #include "core/geom/curvature.h"
 #include "core/knn/knn.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { N = 50000, PLACES = 2000, K = 32 };
@@ -90,13 +90,6 @@ static const struct truth truths[] = {{"sphere", make_sphere, kappa_sphere},
 
 enum { TRUTHS = sizeof truths / sizeof truths[0] };
 
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
 static double larger(double a, double b)
 {
     return fabs(a) > fabs(b) ? fabs(a) : fabs(b);
@@ -134,7 +127,7 @@ static void errors_of(double error[PLACES], const struct truth *truth, unsigned 
         ck_assert(found[0] <= found[1]);
         error[i] = error_of(found, expected);
     }
-    qsort(error, PLACES, sizeof *error, ascending);
+    vor_sort_doubles(error, PLACES);
     vor_knn_free(knn);
     vor_cloud_free(&cloud);
 }
