@@ -24,12 +24,17 @@ struct vor_lattice {
  *  neighbors.c) fit into them; the estimate costs about 20 ms. */
 enum { VOR_NEIGHBORS_PLACES = 512 };
 
+/** Successive ones, which are near each other, that have a box. */
+enum { VOR_NEIGHBORS_BATCH = 16, VOR_NEIGHBORS_BOXES = VOR_NEIGHBORS_PLACES / VOR_NEIGHBORS_BATCH };
+
 /** How many input points a surface is fitted to, by where it is (input/neighbors.h). */
 struct vor_neighbors {
     unsigned usual, most;                  /**< number for all places together; largest of any */
     unsigned places;                       /**< VOR_NEIGHBORS_PLACES, or 0: `usual` everywhere */
     float xyz[3 * VOR_NEIGHBORS_PLACES];   /**< normalised */
     unsigned char k[VOR_NEIGHBORS_PLACES]; /**< number at each place */
+    double low[3][VOR_NEIGHBORS_BOXES];    /**< corners of the boxes */
+    double high[3][VOR_NEIGHBORS_BOXES];
 };
 
 /** Sets the same number everywhere: 1 .. VOR_NEIGHBORS_MAX (geom/surface.h). */

@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/base/stat.h"
+#include "core/base/vector.h"
 #include "core/geom/surface.h"
 #include "core/input/sheets.h"
 
@@ -318,6 +319,19 @@ static void choose(struct vor_neighbors *out, const struct survey *survey)
     }
 }
 
+static void put_in_boxes(struct vor_neighbors *out)
+{
+    for (size_t i = 0; i < 3 * VOR_NEIGHBORS_PLACES; i++) {
+        size_t b = i / (3 * VOR_NEIGHBORS_BATCH);
+        double *low = &out->low[i % 3][b], *high = &out->high[i % 3][b], x = (double)out->xyz[i];
+
+        if (i % (3 * VOR_NEIGHBORS_BATCH) < 3)
+            *low = *high = x;
+        *low = x < *low ? x : *low;
+        *high = x > *high ? x : *high;
+    }
+}
+
 vor_status vor_neighbors_choose(struct vor_neighbors *out, const struct vor_domain *domain,
                                 const struct vor_run *run, struct vor_error *err)
 {
@@ -333,6 +347,7 @@ vor_status vor_neighbors_choose(struct vor_neighbors *out, const struct vor_doma
     for (size_t place = 0; place < PLACES; place++)
         memcpy(&out->xyz[3 * place], &domain->xyz[3 * place_at(domain, place)],
                3 * sizeof *out->xyz);
+    put_in_boxes(out);
     while (steps < STEPS && (size_t)ROOM * ladder[steps] <= domain->n)
         steps++;
     if (steps >= FIRST)
@@ -346,22 +361,51 @@ vor_status vor_neighbors_choose(struct vor_neighbors *out, const struct vor_doma
     return status;
 }
 
+/* Squared distances from x to the boxes: by the same operations as to a place in one, so never
+ * larger. */
+VOR_CLONES static void box_distances(double *restrict distance2,
+                                     const struct vor_neighbors *neighbors, const float x[3])
+{
+    for (size_t b = 0; b < VOR_NEIGHBORS_BOXES; b++) {
+        double gap[3];
+
+        for (size_t c = 0; c < 3; c++) {
+            double below = neighbors->low[c][b] - (double)x[c];
+            double above = (double)x[c] - neighbors->high[c][b];
+
+            below = below > 0 ? below : 0;
+            gap[c] = above > below ? above : below;
+        }
+        distance2[b] = gap[0] * gap[0] + gap[1] * gap[1] + gap[2] * gap[2];
+    }
+}
+
 unsigned vor_neighbors_at(const struct vor_neighbors *neighbors, const float x[3])
 {
+    double box2[VOR_NEIGHBORS_BOXES] = {0}; /* gcc's analyzer does not follow VOR_CLONES */
     double least = INFINITY;
-    unsigned k = neighbors->most;
+    size_t nearest = 0, best = 0;
 
-    for (unsigned i = 0; i < neighbors->places; i++) {
-        const float *place = &neighbors->xyz[3 * i];
-        double across = (double)place[0] - (double)x[0], distance2;
+    if (neighbors->places == 0)
+        return neighbors->most;
+    box_distances(box2, neighbors, x);
+    for (size_t b = 1; b < VOR_NEIGHBORS_BOXES; b++)
+        nearest = box2[b] < box2[nearest] ? b : nearest;
+    for (size_t turn = 0; turn <= VOR_NEIGHBORS_BOXES; turn++) {
+        size_t b = turn > 0 ? turn - 1 : nearest, begin = b * VOR_NEIGHBORS_BATCH;
 
-        if (across * across >= least) /* most are */
+        if (box2[b] > least) /* most are */
             continue;
-        distance2 = vor_distance2f(place, x);
-        k = distance2 < least ? neighbors->k[i] : k;
-        least = distance2 < least ? distance2 : least;
+        for (size_t i = begin; i < begin + VOR_NEIGHBORS_BATCH; i++) {
+            double distance2 = vor_distance2f(&neighbors->xyz[3 * i], x);
+
+            if (distance2 < least || (distance2 <= least && i < best)) {
+                least = distance2;
+                best = i;
+            }
+        }
     }
-    return k;
+    return neighbors->k[best];
 }
 
 void vor_neighbors_fewer(struct vor_neighbors *neighbors, double share)

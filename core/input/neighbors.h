@@ -73,7 +73,7 @@ VOR_NODISCARD vor_status vor_neighbors_choose(struct vor_neighbors *out,
                                               const struct vor_domain *domain,
                                               const struct vor_run *run, struct vor_error *err);
 
-/** The number at x (normalised): that of the nearest place. 0.3 us, nothing where all are the same.
+/** The number at x (normalised): that of the nearest place. 0.1 us, nothing where all are the same.
  */
 unsigned vor_neighbors_at(const struct vor_neighbors *neighbors, const float x[3]);
 

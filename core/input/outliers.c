@@ -109,9 +109,10 @@ static int is_off(const struct vor_domain *domain, size_t i, const uint32_t inde
 }
 
 /* Whether point i lies off the surface around itself, or around the point nearest to it. Lists are
- * those of the points from `begin` on, before `end`. */
+ * those of the points from `begin` on, before `end`; guess is how far, squared, their last may be.
+ */
 static int is_off_either(const struct vor_domain *domain, size_t i, const uint32_t *lists,
-                         size_t begin, size_t end)
+                         size_t begin, size_t end, float guess)
 {
     const uint32_t *own = &lists[(i - begin) * WIDTH], *around = own;
     size_t nearest = own[0] != i ? own[0] : own[1];
@@ -123,7 +124,9 @@ static int is_off_either(const struct vor_domain *domain, size_t i, const uint32
     if (nearest >= begin && nearest < end) {
         around = &lists[(nearest - begin) * WIDTH];
     } else {
-        vor_knn_search(domain->knn, &domain->xyz[3 * nearest], 1, WIDTH, other, distance2);
+        vor_knn_search_near(
+            domain->knn, &(struct vor_knn_near){&domain->xyz[3 * nearest], 1, WIDTH, NULL, guess},
+            other, distance2);
         around = other;
     }
     return is_off(domain, i, around);
@@ -151,7 +154,8 @@ static void point_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
         look->is_out[i] =
             (unsigned char)(is_scattered(look, nearest,
                                          (double)distance2[(i - begin) * WIDTH + NEIGHBORS]) ||
-                            (look->closer && is_off_either(look->domain, i, index, begin, end)));
+                            (look->closer &&
+                             is_off_either(look->domain, i, index, begin, end, near.guess)));
     }
 }
 
