@@ -8,12 +8,12 @@ enum { BLOCK = 256 }; /* seeds of one task */
 
 /* From which on the surface says where a cross lies: the square of the difference of its curvatures
  * over the variance of the points about it, times their number and the fourth power of their reach.
- * Points spread over a disc determine the part u^2 - v^2 of a quadric to 6, the difference is 4
- * times that, and there are two such parts: nine times the variance of the difference. At a quarter
+ * Points spread over a disc determine the part u^2 - v^2 of a quadric to 6, the square of the
+ * difference is 16 times that, and there are two such parts. At a quarter
  * of it the four-fold order psi4 with p of 8 (tests/paper/chen2018_lp_test.c, without noise and
  * with a tenth of the result's spacing) is 0.888 on the tube and 0.928 on fillets instead of 0.888
  * and 0.919; seeds move both by 0.02. */
-#define SURE 1728.0
+#define SURE (6 * 16 * 2 * VOR_SURE * VOR_SURE)
 
 vor_status vor_crosses_init(struct vor_crosses *out, size_t n, struct vor_memory *memory,
                             struct vor_error *err)

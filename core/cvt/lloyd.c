@@ -36,9 +36,6 @@ enum { ON_WHOLE = 8 };
 /* Share of the last step that is added, at most. At 0.3 / 0.6 / 0.9: igea 0.0510 / 0.0482 / 0.0485,
  * cow 0.0658 / 0.0709 / 0.0812. */
 #define MOMENTUM 0.6
-/* Of the patch's radius: a step is not stretched beyond it. At 0.15 / 0.3 / 0.6: igea 0.0490 /
- * 0.0482 / 0.0486, cow 0.0687 / 0.0709 / 0.0702. */
-#define LONG_STEP 0.3
 
 enum { AT_BORDER = 1 << 0, HELD_EVER = 1 << 1 }; /* flags of a seed */
 
@@ -190,7 +187,7 @@ static void stretch(const struct cvt *cvt, struct vor_scratch *scratch, size_t i
         way[c] = x[c] - (double)cvt->seeds->xyz[3 * i + c];
         step[c] = RELAXATION * way[c] + momentum * (double)cvt->step[3 * i + c];
     }
-    most = fmax(LONG_STEP * scratch->radius, length_of(cvt, i, way));
+    most = fmax(VOR_LLOYD_LONG_STEP * scratch->radius, length_of(cvt, i, way));
     length = length_of(cvt, i, step);
     for (size_t c = 0; c < 3; c++)
         x[c] = (double)cvt->seeds->xyz[3 * i + c] +

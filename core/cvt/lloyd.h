@@ -30,6 +30,12 @@
 #include "core/seeds/outcome.h"
 #include "core/seeds/seeds.h"
 
+/** Of a patch's radius: a step is not stretched beyond it, and a seed goes no farther on a plane
+ * that stands still (cvt/planes.h). At 0.15 / 0.3 / 0.6: igea 0.0490 / 0.0482 / 0.0486, cow 0.0687
+ * / 0.0709 / 0.0702 (lloyd.c); of planes at 0.2 / 0.4 / 0.6, psi4 of a tube 0.88 / 0.88 / 0.85, of
+ *  fillets 0.93 / 0.94 / 0.94 (planes.c). */
+#define VOR_LLOYD_LONG_STEP 0.3
+
 /** Moves the seeds until a stop of the request (iterations, delta, moveStop, seconds, plateau) or
  * the watch ends it. seeds->xyz ends as the most even positions of all.
  *

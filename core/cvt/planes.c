@@ -1,6 +1,7 @@
 #include "core/cvt/planes.h"
 
 #include "core/base/linalg.h"
+#include "core/cvt/lloyd.h"
 #include "core/geom/patch.h"
 #include "core/knn/knn.h"
 
@@ -23,14 +24,10 @@
  * 5,000, 0.111 / 0.099 / 0.096 / 0.124, of armadillo_half 0.110 / 0.098 / 0.093 / 0.129, its
  * smallest distance over the mean 0.27 / 0.30 / 0.16 / 0.01. */
 #define BENT 1.4
-/* Likewise, of the way that a seed may go. With patches of 1, at 0.2 / 0.4 / 0.6: tube 0.88 / 0.88
- * / 0.85, fillets 0.93 / 0.94 / 0.94. */
-#define REACH 0.4
 /* Rounds of means of the crosses the first time, when nothing is known; later there is one. At 10 /
  * 40 / 160 and 1 / 4 / 16, the middle of wide flat faces changes by less than with the seed. */
 enum { ROUNDS_FIRST = 20 };
-/* Of a spacing: how far apart seeds begin that share a place. */
-#define APART 1e-3
+
 vor_status vor_planes_init(struct vor_planes *out, struct vor_seeds *seeds, int crossed,
                            struct vor_error *err)
 {
@@ -177,7 +174,7 @@ static void freeze_seed(const struct freeze *freeze, struct vor_scratch *scratch
     if (vor_seeds_fit(p->seeds, scratch, i) == VOR_SURFACE_NONE)
         return;
     if (!(find_near(freeze, i, &radius) > 0) && p->width > 0)
-        vor_seeds_part(i, p->near[i * p->width], APART, &freeze->y[2 * i]);
+        vor_seeds_part(i, p->near[i * p->width], VOR_ROUNDED, &freeze->y[2 * i]);
     bend = scratch->here.surface.c;
     radius = fmin(fmin(radius, ALONE * p->spacing),
                   BENT / (2 * (fabs(bend[3]) + fabs(bend[4]) + fabs(bend[5]))));
@@ -186,7 +183,7 @@ static void freeze_seed(const struct freeze *freeze, struct vor_scratch *scratch
     plane->flat.power = freeze->power;
     plane->flat.factor[0] = plane->flat.factor[1] = 1;
     plane->flat.radius = PATCH * radius / p->spacing;
-    plane->reach = REACH * radius / p->spacing;
+    plane->reach = VOR_LLOYD_LONG_STEP * radius / p->spacing;
     if (vor_stretched_are(&p->seeds->stretched))
         set_metric(p, i);
     set_wall(&plane->flat, p, &scratch->here, axes, at, radius);

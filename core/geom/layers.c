@@ -19,9 +19,8 @@ enum {
 };
 
 /* Times the rms distance of points from their own layer: a gap between layers is at least that
- * wide. At 1.5 / 3 / 6: shell 6.4e-4 / 7.4e-4 / 12.4e-4; noise of a normal distribution has 1 point
- * in 370 beyond 3. */
-#define CLEAR 3.0
+ * wide. At 1.5 / 3 / 6: shell 6.4e-4 / 7.4e-4 / 12.4e-4. */
+#define CLEAR VOR_SURE
 /* Of the widest gap: another one that wide separates layers too. At 0.25 / 0.5 / 0.9: shell 12.4e-4
  * / 7.4e-4 / 7.1e-4; with 0.9 the gaps of three sheets would have to agree within a tenth. */
 #define SAME 0.5

@@ -28,6 +28,9 @@
  * sharper than 60 degrees do not see each other. */
 #define VOR_SAME_WAY 0.5
 
+/** Standard deviations that noise hardly ever goes beyond: 1 in 370 of a normal distribution. */
+#define VOR_SURE 3.0
+
 /** Coefficients of a quadric: a fit takes up so many of the points' deviations. */
 enum { VOR_QUADRIC_TERMS = 6 };
 
