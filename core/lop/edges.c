@@ -169,14 +169,14 @@ static vor_status put_one(struct vor_lop_tree *tree, struct vor_lop_samples *sam
 }
 
 /* Lets point i, which is on an edge, stay there unless one before it is as near as
- * VOR_LOP_EDGE_CLOSE: two edges that meet do not let their points go apart. */
+ * VOR_LOP_CLOSE: two edges that meet do not let their points go apart. */
 static vor_status keep_one(struct vor_lop_tree *tree, const struct vor_lop_samples *samples,
                            uint32_t i, unsigned char *on, double spacing, struct vor_error *err)
 {
     const float *x = &samples->xyz[3 * (size_t)i];
     struct vor_lop_gathered near;
 
-    vor_lop_tree_gather(&near, tree, x, VOR_LOP_EDGE_CLOSE * spacing);
+    vor_lop_tree_gather(&near, tree, x, VOR_LOP_CLOSE * spacing);
     *on = near.count == 0;
     return *on ? vor_lop_tree_add(tree, i, x, &samples->normal[3 * (size_t)i], err) : VOR_OK;
 }

@@ -21,9 +21,6 @@
 /** Spacings from a point to the edge that it is put onto, at most. At 0.9 / 1.2 / 1.5, 0.8 apart:
  *  1.6e-3 / 1.14e-3 / 0.97e-3, 0.044 / 0.045 / 0.045. */
 #define VOR_LOP_EDGE_NEAR 1.5
-/** Spacings from another point on an edge at which a point no longer stays on one. Of scannet to
- * 20,000 with this 53 points are nearer than 0.1 spacings to another, without 187. */
-#define VOR_LOP_EDGE_CLOSE 0.4
 
 /** Where a point sees an edge. */
 struct vor_lop_edge {
@@ -47,7 +44,7 @@ void vor_lop_edge_find(struct vor_lop_edge *out, const struct vor_lop_samples *s
  *
  *  @param[in,out] edge     of each sample
  *  @param[in,out] on       of each sample: 1 if it is on an edge; those that are stay, but for
- *                        those that come nearer to each other than VOR_LOP_EDGE_CLOSE
+ *                        those that come nearer to each other than VOR_LOP_CLOSE
  *  @param[in]     spacing  of each sample
  *
  *  @retval VOR_E_NOMEM

@@ -25,10 +25,6 @@ enum {
 /* Length of the mean of the unit vectors to the neighbours, above which a point is at the border.
  * It is 0.64 where they fill half of the plane. */
 #define BORDER 0.4
-/* Spacings to the nearest point below which a point is pushed out all the same: it lies at the rim
- * of a cluster, and not of the surface. Points nearer than 0.1 spacings to another, of 20,000 of
- * autzen, without this and with it: 169, 29. */
-#define CROWDED 0.5
 
 struct even {
     struct vor_lop_samples *samples;
@@ -272,7 +268,7 @@ static void keep(const struct even *even, size_t i, const struct push *push, dou
         out[c] = -push->mean[c];
     vor_remove_along(out, n, 0);
     length = sqrt(vor_dot(out, out));
-    if (length < BORDER || push->nearest2 < CROWDED * CROWDED * h * h)
+    if (length < BORDER || push->nearest2 < VOR_LOP_CLOSE * VOR_LOP_CLOSE * h * h)
         return;
     for (int c = 0; c < 3; c++)
         out[c] /= length;

@@ -29,12 +29,6 @@ enum { BLOCK = 64 }; /* points of a task */
  * .283, .275. */
 #define GAIN 0.5
 #define GAIN_MOST 20.0
-/* Part of a unit normal that may lie along the edge: else the point is of a third side. At 0.25 /
- * 0.5 / 0.8: .236, .278 in all cases, .238 at 0.8. */
-#define ALONG 0.5
-/* Roots of the variance over a fillet that a point of it is off, at most. At 2 / 4 / 8: .230, .298
- * / .236, .278 / .236, .278. */
-#define OFF 4.0
 
 /* Slots of points that have none: those far from edges, and those where the surface is no rounder
  * than an edge. */
@@ -147,7 +141,8 @@ static int belongs(const struct sides *sides, const float n[3])
         along += (double)n[c] * sides->along[c];
         up += (double)n[c] * (sides->normal[0][c] + sides->normal[1][c]);
     }
-    return fabs(along) <= ALONG && up * sides->sign > 0;
+    /* A normal that points along the edge is of a third side. */
+    return fabs(along) <= VOR_SAME_WAY && up * sides->sign > 0;
 }
 
 /* Heights of x over both sides. */
@@ -287,8 +282,6 @@ static void listen(struct said *said, const struct fillets *fillets, size_t i, s
         return;
     said->gain += weight * fmin(fillet->gain, GAIN_MOST);
     round = vor_fillet_at(fillet, at, &height, normal);
-    if (height * height > OFF * OFF * fillet->off2)
-        return;
     weight *= fmin(fillet->gain, GAIN_MOST);
     said->fitted += weight;
     said->round += weight * round;

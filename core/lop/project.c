@@ -25,9 +25,6 @@ enum { DATA_LEAST = VOR_LOP_AREA_OF, DATA_MOST = VOR_LOP_DATA_MOST };
 /* Other points in a list: those within twice the spacing, and as many again. */
 enum { LISTED = 32 };
 
-/* Shortest distance to another point that counts, in reaches: keeps beta finite. */
-#define SHORTEST 0.01
-
 /* Shortest distance to a datum that counts, squared, in its area as density_block has it: that is
  * the spacing there, of which an even disc to the twelfth neighbour has a radius of 1.8. Else
  * points stick to single data where these are not many times as many. */
@@ -36,11 +33,6 @@ enum { LISTED = 32 };
 /* Share of mu that counts without normals. Bunny to 5,000 after 36 steps, at mu .45 and 0.44 / 0.67
  * / 0.89 / 1: delta 0.073 / 0.052 / 0.080 / 0.099, because points jump past each other. */
 #define PUSH_SHARE 0.67
-
-/* Spacings that points keep from each other. Repulsion is a share of less than a half of the
- * distance, so that two points which the same data draw come nearer with each step until they are
- * one: 522 of 20,000 of autzen by ear, 3,061 nearer than 0.1 spacings; with this 0 and 316. */
-#define APART 0.3
 
 struct project {
     struct vor_lop_samples *samples;
@@ -152,11 +144,11 @@ static void look_at_data(struct vor_lop_drawn *drawn, struct project *project, s
                      &how);
 }
 
-/* Adds half of what point i lacks of APART to the point j at a squared distance. */
+/* Adds half of what point i lacks of VOR_LOP_CLOSE to the point j at a squared distance. */
 static void part(double apart[3], const struct project *project, size_t i, size_t j, double d2)
 {
     const float *x = &project->samples->xyz[3 * i], *y = &project->samples->xyz[3 * j];
-    double distance = sqrt(d2), lack = APART * project->how->spacing - distance;
+    double distance = sqrt(d2), lack = VOR_LOP_CLOSE * project->how->spacing - distance;
 
     for (unsigned c = 0; c < 3 && lack > 0; c++) {
         double away = (double)x[c] - (double)y[c];
@@ -173,7 +165,7 @@ static void repel(double push[3], struct project *project, size_t i)
     const float *x = &project->samples->xyz[3 * i];
     double reach = project->how->reach, sum = 0;
     double mu = project->how->mu * (project->how->normals ? 1 : PUSH_SHARE);
-    double apart[3] = {0}, longest = APART * project->how->spacing, length;
+    double apart[3] = {0}, longest = VOR_LOP_CLOSE * project->how->spacing, length;
     struct vor_crowd crowd;
 
     push[0] = push[1] = push[2] = 0;
@@ -182,8 +174,7 @@ static void repel(double push[3], struct project *project, size_t i)
         const float *y = &project->samples->xyz[3 * (size_t)crowd.index[j]];
         double d2 = (double)crowd.distance2[j];
         double beta = (double)project->crowding[crowd.index[j]] *
-                      vor_lop_near(d2, 1 / (reach * reach)) /
-                      fmax(d2, SHORTEST * SHORTEST * reach * reach);
+                      vor_lop_near(d2, 1 / (reach * reach)) / fmax(d2, VOR_ROUNDED * reach * reach);
 
         sum += beta;
         for (unsigned c = 0; c < 3; c++)

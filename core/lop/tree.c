@@ -1,5 +1,6 @@
 #include "core/lop/tree.h"
 
+#include "core/base/linalg.h"
 #include "core/base/vector.h"
 
 #include <math.h>
@@ -20,8 +21,6 @@ enum {
 #define NO_LEAF UINT32_MAX
 /* Coordinate of lanes that hold no point. */
 #define NOWHERE 1e15F
-/* Part of the radius that cells are taken wider, for the rounding of distances in float. */
-#define ROUNDING 1e-5
 struct vor_lop_leaf {
     uint32_t count;
     uint32_t next; /* more points of a cell that cannot be split; NO_LEAF */
@@ -254,7 +253,8 @@ VOR_INLINE void enter(struct walk *walk, const uint32_t *child, double half, con
 VOR_INLINE void begin(struct walk *walk, const struct vor_lop_tree *tree, const float x[3],
                       double radius)
 {
-    double wide = radius * (1 + ROUNDING) + ROUNDING * ROUNDING, middle[3] = {0}, half = 1;
+    /* Wider by what distances in float are rounded. */
+    double wide = radius * (1 + VOR_ROUNDED) + VOR_ROUNDED2, middle[3] = {0}, half = 1;
     const uint32_t *child = tree->node;
 
     walk->tree = tree;
