@@ -6,25 +6,14 @@ use warnings;
 use Exporter 'import';
 use FindBin;
 use lib "$FindBin::Bin/../../support";
-use Getopt::Long;
-use List::Util ();
+use Sockets;
 use Time::HiRes qw(time);
 use Vt;
 
 our @EXPORT = qw(figure percentile async cloud_ply random_points outcome $long $seed);
-our ($long, $seed) = (0, 1);
-GetOptions('long' => \$long, 'seed=i' => \$seed) or die "usage: $0 [--long] [--seed N]\n";
-srand $seed;
-$| = 1;
-
-# ID, what was measured, figure with unit, figure wanted, whether it is reached.
-sub figure { print join("\t", @_[0 .. 3], $_[4] ? 'ok' : 'short'), "\n" }
-
-sub percentile {
-    my ($share, @values) = @_;
-    return 0 unless @values;
-    return (sort { $a <=> $b } @values)[List::Util::min($#values, int($share * @values))];
-}
+our ($long, $seed) = Sockets::options();
+*figure = \&Sockets::row;
+*percentile = \&Sockets::percentile;
 
 # Submits; the answer, and the seconds until it came.
 sub async {

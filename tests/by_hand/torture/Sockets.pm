@@ -19,9 +19,6 @@ sub options {
     return ($long, $seed, $count);
 }
 
-# A number in [0, 1) that follows from the seed and how often it was asked for.
-sub random { return rand }
-
 # A line of the table: what it is of, what was measured, the figure, what is wanted, whether it holds.
 sub row {
     my ($id, $what, $figure, $wanted, $holds) = @_;

@@ -21,7 +21,7 @@ sub measure {
         my ($seconds, $status) = Sockets::timed($daemon, "GET /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", 2);
         $status == 200 ? push @took, $seconds : $missed++;
         # They come back as soon as they are cut.
-        for my $i (1 .. 20) { my $at = int(Sockets::random() * @silent); close $silent[$at]; $silent[$at] = Sockets::connect_to($daemon) }
+        for my $i (1 .. 20) { my $at = int(rand @silent); close $silent[$at]; $silent[$at] = Sockets::connect_to($daemon) }
     }
     Sockets::row('F3', "$silent silent connections $where: /livez missed of 30 (before: 23)", $missed, 0, $missed == 0);
     Sockets::row('F3', "$silent silent connections $where: /livez, p99", sprintf('%.1f ms', 1e3 * Sockets::percentile(0.99, @took)),

@@ -49,8 +49,8 @@ Sockets::row('G13', 'second requests behind them that were answered', $followed,
 # Pairs: a chunked or counted body, then a request that names itself.
 my ($pairs, $wrong) = ($long ? 1000 : 200, 0);
 for my $i (1 .. $pairs) {
-    my $body = 'x' x int(Sockets::random() * 300);
-    my $first = Sockets::random() < 0.5
+    my $body = 'x' x int(rand() * 300);
+    my $first = rand() < 0.5
         ? "${post}X-Request-Id: a$i\r\nContent-Length: " . length($body) . "\r\n\r\n$body"
         : "${post}X-Request-Id: a$i\r\nTransfer-Encoding: chunked\r\n\r\n" . join('', map { sprintf "%x\r\n%s\r\n", length $_, $_ } grep { length } unpack '(A70)*', $body) . "0\r\n\r\n";
     my $raw = $daemon->raw("${first}GET /version HTTP/1.1\r\n${host}X-Request-Id: b$i\r\nConnection: close\r\n\r\n");

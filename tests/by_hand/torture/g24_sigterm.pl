@@ -59,7 +59,7 @@ for my $round (1 .. $rounds) {
         push @clients, $pid;
     }
     close $out;
-    sleep 0.4 + Sockets::random($seed) * 0.4;
+    sleep 0.4 + rand 0.4;
     my $began = time;
     kill 'TERM', $daemon->{pid};
     while ((my $sent = time - $began) < 5) {
