@@ -162,6 +162,14 @@ static void note(struct vor_input_lists *lists, size_t i, const float x[3], unsi
     lists->has[i] = (uint16_t)wide;
 }
 
+void vor_input_lists_nearest(const struct vor_input_lists *lists, const float x[3], unsigned k,
+                             uint32_t *index, float *distance2)
+{
+    struct vor_knn_near near = {x, 1, k, NULL, vor_knn_near_guess(lists->far2, lists->tried, k)};
+
+    vor_knn_search_near(lists->knn, &near, index, distance2);
+}
+
 void vor_input_lists_make(struct vor_input_lists *lists, size_t first, size_t count,
                           const float *xyz, unsigned k)
 {

@@ -78,6 +78,11 @@ enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists,
                                                   const float x[3], unsigned k,
                                                   const uint32_t **index);
 
+/** Searches for the k <= m reference points nearest to any place, without a list: as far as lists
+ *  extend as a rule, which takes half of what vor_knn_search does. Thread-safe. */
+void vor_input_lists_nearest(const struct vor_input_lists *lists, const float x[3], unsigned k,
+                             uint32_t *index, float *distance2);
+
 /** Makes the lists of successive queries together (vor_knn_search_near), if a list has at most
  *  VOR_INPUT_LISTS_TOGETHER entries. The next search for the same k neighbours of one of these, if
  *  it has not moved, has a new list; any other search makes one.

@@ -341,7 +341,7 @@ static const struct vor_place *nearest_of(struct vor_seeds *seeds, struct vor_sc
     if (seeds->sheets)
         return vor_seeds_fit(seeds, scratch, i) != VOR_SURFACE_NONE ? &scratch->here : NULL;
     there->k = domain->n < VOR_NEIGHBORS_FEWEST ? (unsigned)domain->n : VOR_NEIGHBORS_FEWEST;
-    vor_knn_search(domain->knn, &seeds->xyz[3 * i], 1, there->k, index, distance2);
+    vor_input_lists_nearest(&seeds->input_lists, &seeds->xyz[3 * i], there->k, index, distance2);
     vor_gather(there->near, domain->xyz, index, there->k);
     vor_surface_fit_as(&there->surface, there->near, there->k, VOR_SURFACE_PLANE);
     return there->surface.kind != VOR_SURFACE_NONE ? there : NULL;

@@ -337,7 +337,7 @@ enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor
     struct vor_layer layer;
     unsigned k = vor_seeds_asked(seeds, query);
 
-    vor_knn_search(seeds->domain->knn, query, 1, k, index, distance2);
+    vor_input_lists_nearest(&seeds->input_lists, query, k, index, distance2);
     scratch->queries++;
     gather(seeds, place, index, k, k);
     layer.count = 0;
