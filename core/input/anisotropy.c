@@ -1,30 +1,153 @@
 #include "core/input/anisotropy.h"
 
+#include "core/base/count.h"
 #include "core/base/linalg.h"
+#include "core/base/quote.h"
 #include "core/base/stat.h"
 #include "core/geom/curvature.h"
-#include "core/input/carried_tensors.h"
 #include "core/input/curved.h"
 
 #include <float.h>
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum {
     BLOCK = 256, /* points of one task */
     /* Times that tensors of curvature are averaged. At 2 / 6: mean distance of fandisk from its
      * mesh of 5,000 points, over that without a metric, 0.57 / 0.61. */
-    SMOOTHED = 2
+    SMOOTHED = 2,
+    QUOTED = 64, /* bytes of a name in a message */
+    NAMES = 512, /* of all of them */
+    SUFFIX = 3   /* bytes of "_xx" */
 };
+
+/* Tensors that the input carries, one at each point: one attribute of six components, or six of
+ * one, xx xy xz yy yz zz; borrowed from the cloud. */
+struct carried {
+    const struct vor_attribute *attribute[6]; /* all the same where it has six components */
+};
+
+static const char *const suffixes[6] = {"_xx", "_xy", "_xz", "_yy", "_yz", "_zz"};
+
+/* Finds the tensors of that name: an attribute of six components, else six scalars with suffixes.
+ * Returns whether they are there. */
+static int find_carried(struct carried *out, const struct vor_cloud *in, const char *name)
+{
+    const struct vor_attribute *whole = vor_cloud_find_name(in, name);
+    char part[sizeof whole->name + SUFFIX];
+
+    for (int c = 0; c < 6; c++)
+        out->attribute[c] = whole;
+    if (whole != NULL && whole->components == 6)
+        return 1;
+    for (int c = 0; c < 6; c++) {
+        if ((size_t)snprintf(part, sizeof part, "%s%s", name, suffixes[c]) >= sizeof part)
+            return 0;
+        out->attribute[c] = vor_cloud_find_name(in, part);
+        if (out->attribute[c] == NULL || out->attribute[c]->components != 1)
+            return 0;
+    }
+    return 1;
+}
+
+static void carried_at(double tensor[6], const struct carried *tensors, size_t i)
+{
+    for (size_t c = 0; c < 6; c++) {
+        const struct vor_attribute *attribute = tensors->attribute[c];
+
+        tensor[c] = vor_attribute_scalar(attribute, attribute->components == 6 ? 6 * i + c : i);
+    }
+}
+
+/* Whether a tensor is finite and positive definite, by Sylvester's criterion, once its diagonal is
+ * scaled to 1. */
+static int is_positive(const double t[6])
+{
+    double x = sqrt(t[0]), y = sqrt(t[3]), z = sqrt(t[5]);
+    double xy = t[1] / x / y, xz = t[2] / x / z, yz = t[4] / y / z;
+
+    if (!(t[0] > 0 && t[3] > 0 && t[5] > 0) || !isfinite(x) || !isfinite(y) || !isfinite(z))
+        return 0;
+    return xy * xy < 1 && 1 + 2 * xy * xz * yz > xy * xy + xz * xz + yz * yz;
+}
+
+static int is_bad(const void *tensors, size_t i)
+{
+    double tensor[6];
+
+    carried_at(tensor, tensors, i);
+    return !is_positive(tensor);
+}
+
+/* Whether an attribute is, or ends, a tensor; its name without the suffix goes to `name`. */
+static int names_tensor(char name[QUOTED], const struct vor_cloud *in,
+                        const struct vor_attribute *attribute)
+{
+    struct carried tensors;
+    size_t length = strlen(attribute->name);
+    char base[sizeof attribute->name];
+
+    memcpy(base, attribute->name, length + 1);
+    if (attribute->components == 1 && length > SUFFIX &&
+        strcmp(&base[length - SUFFIX], suffixes[0]) == 0)
+        base[length - SUFFIX] = '\0';
+    else if (attribute->components != 6)
+        return 0;
+    vor_quote(name, QUOTED, base, strlen(base));
+    return find_carried(&tensors, in, base);
+}
+
+/* Says which tensors could have been named. */
+static vor_status refuse_name(const struct vor_cloud *in, const char *name, struct vor_error *err)
+{
+    char quoted[QUOTED], names[NAMES] = "none";
+    size_t at = 0;
+
+    for (size_t i = 0; i < in->attribute_count && at + 2 * QUOTED < sizeof names; i++)
+        if (names_tensor(quoted, in, &in->attributes[i]))
+            at +=
+                (size_t)snprintf(names + at, sizeof names - at, "%s%s", at > 0 ? ", " : "", quoted);
+    vor_quote(quoted, sizeof quoted, name, strlen(name));
+    return vor_fail_param(err, VOR_E_METRIC, "metric",
+                          "the input has no tensors %s, want six scalars NAME_xx, NAME_xy, "
+                          "NAME_xz, NAME_yy, NAME_yz, NAME_zz, or one attribute NAME with six "
+                          "components; its tensors are %s",
+                          quoted, names);
+}
+
+/* Whether there are tensors of that name, all of them finite and positive definite. */
+static vor_status check_carried(const struct vor_cloud *in, const char *name,
+                                const struct vor_run *run, struct vor_error *err)
+{
+    struct carried tensors;
+    char quoted[QUOTED];
+    size_t bad, first;
+    double t[6];
+    vor_status status;
+
+    if (!find_carried(&tensors, in, name))
+        return refuse_name(in, name, err);
+    status = vor_count(&bad, &first, in->n, is_bad, &tensors, run, err);
+    if (status != VOR_OK || bad == 0)
+        return status;
+    carried_at(t, &tensors, first);
+    vor_quote(quoted, sizeof quoted, name, strlen(name));
+    return vor_fail_param(err, VOR_E_METRIC, "metric",
+                          "tensor %s is %g %g %g %g %g %g (xx xy xz yy yz zz) at point %zu, "
+                          "want a positive definite tensor",
+                          quoted, t[0], t[1], t[2], t[3], t[4], t[5], first);
+}
 
 /* A field on its way. */
 struct work {
     const struct vor_curved *curved;
     struct vor_tensors *out;
-    struct vor_graph graph;          /* the nearest points of each */
-    struct vor_carried_tensors from; /* where given */
-    int given;                       /* an attribute, not the curvature, is followed */
-    double *bend, *next;             /* n x 7: curvature and how uncertain it is; after a round */
-    float *swap;                     /* n x 6 */
+    struct vor_graph graph; /* the nearest points of each */
+    struct carried from;    /* where given */
+    int given;              /* an attribute, not the curvature, is followed */
+    double *bend, *next;    /* n x 7: curvature and how uncertain it is; after a round */
+    float *swap;            /* n x 6 */
 };
 
 static vor_status alloc_work(struct work *work, struct vor_memory *memory, struct vor_error *err)
@@ -118,7 +241,7 @@ static void metric_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 
     vor_metric_axes(axis, normal);
     if (work->given) {
-        vor_carried_tensors_at(tensor, &work->from, work->curved->domain->source[i]);
+        carried_at(tensor, &work->from, work->curved->domain->source[i]);
         vor_metric_restrict(plane, tensor, axis);
         (void)vor_metric_even(plane, out->most);
     } else {
@@ -222,7 +345,7 @@ vor_status vor_anisotropy_check(const struct vor_cloud *in, const struct vor_spe
 {
     const char *name = vor_spec_name(spec, VOR_PARAM_METRIC);
 
-    return name != NULL ? vor_carried_tensors_check(in, name, run, err) : VOR_OK;
+    return name != NULL ? check_carried(in, name, run, err) : VOR_OK;
 }
 
 vor_status vor_anisotropy_make(struct vor_domain *domain, const struct vor_cloud *in, size_t n,
@@ -243,7 +366,7 @@ vor_status vor_anisotropy_make(struct vor_domain *domain, const struct vor_cloud
         return status;
     tensors.n = curved.domain->n;
     tensors.most = spec->value[VOR_PARAM_MAX_ASPECT];
-    work.given = name != NULL && vor_carried_tensors_find(&work.from, in, name);
+    work.given = name != NULL && find_carried(&work.from, in, name);
     status = fill(&work, run, err);
     vor_graph_free(&work.graph);
     VOR_FREE_ALL(run->memory, work.swap, work.next, work.bend);
