@@ -445,8 +445,10 @@ static vor_status push_all(struct front *front, const struct vor_run *run, struc
 static vor_status go_on(struct front *front, const struct vor_run *run, struct vor_error *err)
 {
     struct vor_complex *complex = front->complex;
-    vor_status status = push_all(front, run, err);
+    vor_status status = vor_overs_make(front->overs, front->balls, front->opens, err);
 
+    VOR_THEN(status, push_all(front, run, err));
+    VOR_THEN(status, vor_overs_make(front->overs, front->balls, front->opens, err));
     VOR_THEN(status, advance(front, run, err));
     for (size_t i = 0; i < complex->n && status == VOR_OK; i++) {
         if (i % POLLED == 0)
@@ -474,8 +476,7 @@ static vor_status go_on_all(struct front *front, const struct vor_run *run, stru
     for (size_t k = 0; k < sizeof pass / sizeof *pass && status == VOR_OK; k++) {
         front->strict = pass[k].strict;
         front->facing = pass[k].facing;
-        status = vor_overs_make(front->overs, front->balls, front->opens, err);
-        VOR_THEN(status, go_on(front, run, err));
+        status = go_on(front, run, err);
     }
     vor_twosided_free(&front->sides);
     return status;
