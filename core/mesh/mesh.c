@@ -110,14 +110,13 @@ static vor_status attach_hanging(struct making *making, int repairs, struct vor_
 /* Flips edges and moves the corners of the triangles from `since` on, at last onto the input where
  * sheets are near each other. May repair the triangulation before each flip; then they move in
  * twice as many steps: with as many / twice / three times, fandisk to 10,000: mean quality .9692 /
- * .9703 / .9711, delta .062 / .064 / .065. After repairs, points that are not near creases go to
- * the middles of their triangles, as in the polish: strain alone leaves their cells less even than
- * no repair does. No repair / repair by strain alone / so, eta, delta and mean quality: sphere to
- * 5,072 .0047, .0401, .9725 / .0061, .0510, .9762 / .0043, .0427, .9746; igea to 20,000 .0071,
- * .0386, .9769 / .0089, .0478, .9800 / .0070, .0410, .9783. With the middles in the second round or
- * in both, delta is .0409 and .0403 on the sphere, the quality of armadillo to 30,000 .9696 and
- * .9689 (least of three seeds) in the place of .9710; with no regard to creases that of fandisk
- * .966. */
+ * .9703 / .9711, delta .062 / .064 / .065. After repairs, sizes of triangles that are not near
+ * creases count too: strain does not see them, and leaves cells less even than no repair does. No
+ * repair / repair by strain alone / so, eta, delta and mean quality: sphere to 5,072 .0047, .0401,
+ * .9725 / .0061, .0510, .9762 / .0040, .0391, .9733; igea to 20,000 .0071, .0386, .9769 / .0089,
+ * .0478, .9800 / .0067, .0386, .9774; armadillo to 30,000 .0173, .0614, .9643 / .0177, .0625, .9743
+ * / .0146, .0535, .9714. Steps to the middles of the triangles in their place leave .0427, .0410
+ * and .0552; with no regard to creases the quality of fandisk is .966. */
 static vor_status better(struct making *making, size_t since, int repairs, struct vor_error *err)
 {
     const struct vor_recall recall = {.slack = VOR_SEEDS_SLACK, .refine = making->how->refine};
@@ -136,8 +135,8 @@ static vor_status better(struct making *making, size_t since, int repairs, struc
         VOR_THEN(status, vor_relax(&making->sheet, making->seeds, &making->complex, &how, err));
     }
     if (repairs) {
-        how.creases = VOR_RELAX_ROUNDS * how.steps;
-        how.aim = VOR_RELAX_MIDDLE;
+        how.creases = VOR_RELAX_ROUNDS * how.steps + VOR_RELAX_STEPS;
+        how.aim = VOR_RELAX_SIZE;
         how.steps = VOR_RELAX_STEPS;
         VOR_THEN(status, vor_relax(&making->sheet, making->seeds, &making->complex, &how, err));
     }

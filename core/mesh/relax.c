@@ -36,7 +36,7 @@ struct relax {
 void vor_relax_add(struct vor_relax_pull *pull, const struct vor_frame *frame, const float *x,
                    const float *a, const float *b)
 {
-    double base[3], across[3], length, u, v, h, slope[2], bend[3], along[2], up[2];
+    double base[3] = {0}, across[3] = {0}, length, u, v, h, slope[2], bend[3], along[2], up[2];
 
     for (int c = 0; c < 3; c++) {
         base[c] = (double)b[c] - (double)a[c];
@@ -56,6 +56,12 @@ void vor_relax_add(struct vor_relax_pull *pull, const struct vor_frame *frame, c
     bend[0] = 1 / (h * v);
     bend[1] = -u / (h * v * v);
     bend[2] = (u * u + h * h) / (h * v * v * v);
+    if (pull->area > 0) { /* adds v / height + height / v */
+        double height = 2 * pull->area / length;
+
+        slope[1] += 1 / height - height / (v * v);
+        bend[2] += 2 * height / (v * v * v);
+    }
     for (int e = 0; e < 2; e++) {
         along[e] = vor_dot(frame->axis[e], base) / length;
         up[e] = vor_dot(frame->axis[e], across) / v;
@@ -94,6 +100,21 @@ void vor_relax_hold(struct vor_relax_pull *pull)
     pull->bend[2] = 1;
 }
 
+/* Of the triangles around point i. */
+static double mean_area(const struct vor_complex *complex, const float *xyz, size_t i)
+{
+    double sum = 0;
+
+    for (unsigned t = 0; t < complex->degree[i]; t++) {
+        uint32_t at = complex->around[i * VOR_AROUND_MOST + t];
+        double normal[3];
+
+        vor_triangle_normal(normal, xyz, &complex->triangle[3 * (size_t)at]);
+        sum += sqrt(vor_dot(normal, normal)) / 2;
+    }
+    return sum / complex->degree[i];
+}
+
 /* The step of point i in its tangent plane, or along the first axis of its frame. */
 static void step_of(const struct relax *relax, const struct vor_frame *frame, size_t i,
                     double step[2])
@@ -102,6 +123,8 @@ static void step_of(const struct relax *relax, const struct vor_frame *frame, si
     const float *xyz = relax->seeds->xyz;
     struct vor_relax_pull pull = {.triangles = 0};
 
+    if (relax->aim == VOR_RELAX_SIZE && relax->near[i] == 0)
+        pull.area = mean_area(complex, xyz, i);
     for (unsigned t = 0; t < complex->degree[i]; t++) {
         uint32_t other[2];
 
@@ -203,7 +226,7 @@ static int leaves(const struct vor_seeds *seeds, struct vor_scratch *scratch, si
 
 /* The step of a point, by what it moves to. */
 static void (*const steps_of[])(const struct relax *, const struct vor_frame *, size_t,
-                                double[2]) = {step_of, mean_of, push_of};
+                                double[2]) = {step_of, step_of, mean_of, push_of};
 
 static void move_row(void *ctx, size_t i, unsigned worker)
 {

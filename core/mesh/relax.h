@@ -6,7 +6,9 @@
  *  triangle there is poor, or move along the crease where that is asked for.
  *
  *  Source: none of the papers. The strain of one triangle as a function of its apex is the
- *  hyperbolic cosine of the distance from the ideal apex, in the half plane over its base. */
+ *  hyperbolic cosine of the distance from the ideal apex, in the half plane over its base. That
+ *  does not see sizes, which drift apart around points without six triangles; a sum of area over
+ *  mean area and its inverse, twice such a cosine, sees them. */
 #ifndef VOR_MESH_RELAX_H
 #define VOR_MESH_RELAX_H
 
@@ -28,6 +30,7 @@ enum { VOR_RELAX_ROUNDS = 2 };
  * all zero before the first triangle. */
 struct vor_relax_pull {
     double slope[2], bend[3]; /**< first and second derivatives: uu, uv, vv */
+    double area;              /**< that triangles should have; 0: sizes do not count */
     double edge;              /**< sum of the distances to the neighbours, each twice */
     unsigned triangles;
 };
@@ -65,8 +68,9 @@ enum vor_relax_motion {
 /** Where points move to. */
 enum vor_relax_aim {
     VOR_RELAX_STRAIN, /**< the least strain of the triangles; the input's border is not looked at */
+    VOR_RELAX_SIZE,   /**< that, and areas a / m + m / a, m their mean around each point, */
     VOR_RELAX_MIDDLE, /**< the mean of the triangles' middles by their areas, */
-    VOR_RELAX_LENGTH  /**< where no edge is shorter than others: both inside the border */
+    VOR_RELAX_LENGTH  /**< where no edge is shorter than others: all three inside the border */
 };
 
 /** What is done. */

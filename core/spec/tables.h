@@ -350,8 +350,8 @@ enum vor_method_choice {
       "Repair of the triangulation. none: no repair; auto: around points that have more or fewer " \
       "than six triangles, edges are flipped, and a point is removed in one place and added in "   \
       "another, where that makes the triangles better, and then corners of the worst triangles "   \
-      "move, and edges near them are flipped. The worst triangles become better. Distances "       \
-      "become a little less even, and the run takes up to 30 percent longer, on a rough scan up "  \
+      "move, and edges near them are flipped. The worst triangles become better, distances at "    \
+      "creases a little less even, and the run takes up to 30 percent longer, on a rough scan up " \
       "to three times as long. Used only with a polish, density=uniform and metric=isotropic, "    \
       "not with a previous result, method=ear, or an input of several layers")                     \
     X(BASELINES, baselines, FLAG, OUTPUT, "", 0, 0, 0, "",                                         \

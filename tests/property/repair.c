@@ -97,7 +97,7 @@ VT_TEST_LOOP(triangles_become_better, VT_SOAK_LOOPS(2, 20))
 {
     static void (*const make[])(struct vor_cloud *, uint64_t, size_t) = {
         vt_cloud_sphere, vt_cloud_torus, vt_cloud_square, vt_cloud_box, vt_cloud_box};
-    static const double more[] = {-0.002, -0.002, -0.002, 0.015, 0}; /* box: 0.012, fine start */
+    static const double more[] = {-0.005, -0.005, -0.010, 0.015, 0}; /* box: 0.012, fine start */
 
     for (size_t s = 0; s < sizeof make / sizeof *make; s++) {
         int sharp = s == 4; /* sheared; with more shear most faces count as sheets: no repair */
@@ -119,8 +119,8 @@ VT_TEST_LOOP(triangles_become_better, VT_SOAK_LOOPS(2, 20))
         ck_assert_int_eq(mended[0].report.mesh_manifold, VOR_YES);
         ck_assert_int_eq(mended[0].report.mesh_closed, plain.report.mesh_closed);
         ck_assert_double_eq(mended[0].report.mesh_euler, plain.report.mesh_euler);
-        if (s < 2) /* neither creases nor borders: the cells become more even */
-            ck_assert_double_lt(mended[0].report.eta, plain.report.eta);
+        ck_assert(s > 1 || mended[0].report.eta < plain.report.eta); /* neither creases nor */
+        ck_assert(s > 1 || mended[0].report.delta < 0.95 * plain.report.delta); /* borders */
         ck_assert_double_gt(mended[0].report.mesh_quality_mean - plain.report.mesh_quality_mean,
                             more[s]);
         ck_assert_double_ge(mended[0].report.mesh_angle_min, sharp ? 44 : 37);
