@@ -1,18 +1,14 @@
 /** Closes small loops where cells disagreed: where four points lie nearly on a circle, at creases
  *  and tips.
  *
- *  A loop is closed by the triangles that are best together, over all ways to cut it into
- *  triangles (Klincsek 1980, "Minimal triangulations of polygonal domains"). It stays where a
- *  triangle would lie over no points of the input, where the input ends or has a hole, or would
- * pass through another. */
+ *  A loop is closed by the triangles that are best together (mesh/cut.h). It stays where a triangle
+ *  would lie over no points of the input, where the input ends or has a hole, or would pass through
+ *  another. */
 #ifndef VOR_MESH_CLOSE_H
 #define VOR_MESH_CLOSE_H
 
 #include "core/mesh/balls.h"
 #include "core/mesh/complex.h"
-
-/** Most edges of a loop that is closed. On closed shapes they have 4 to 12, at tips up to 20. */
-enum { VOR_CLOSE_MOST = 48 };
 
 /** Closes what can be closed.
  *

@@ -142,8 +142,7 @@ unsigned vor_complex_collapse(struct vor_complex *complex, uint32_t a, uint32_t 
     return went;
 }
 
-/* Adds a triangle at number t, which there is none at. */
-static void put(struct vor_complex *complex, uint32_t t, const uint32_t corner[3])
+void vor_complex_put(struct vor_complex *complex, uint32_t t, const uint32_t corner[3])
 {
     memcpy(&complex->triangle[3 * (size_t)t], corner, 3 * sizeof *corner);
     for (int c = 0; c < 3; c++)
@@ -168,7 +167,7 @@ vor_status vor_complex_split(struct vor_complex *complex, uint32_t a, uint32_t b
     }
     for (unsigned k = 0; k < have && status == VOR_OK; k++)
         if (k < spare)
-            put(complex, gone[k], half[k]);
+            vor_complex_put(complex, gone[k], half[k]);
         else
             status = vor_complex_add(complex, half[k], err);
     return status;

@@ -44,6 +44,10 @@ VOR_NODISCARD vor_status vor_complex_add(struct vor_complex *complex, const uint
 /** Takes triangle t away. O(1). */
 void vor_complex_remove(struct vor_complex *complex, uint32_t t);
 
+/** Adds a triangle at the number of one that was taken away, each corner with fewer than
+ *  VOR_AROUND_MOST. O(1). */
+void vor_complex_put(struct vor_complex *complex, uint32_t t, const uint32_t corner[3]);
+
 /** Replaces the edge from a to b, which two triangles have, by that between their third corners, as
  *  vor_complex_edge tells them, which have no edge yet and each fewer than VOR_AROUND_MOST
  *  triangles. The two triangles keep their numbers, and face as they did. O(1). */

@@ -126,7 +126,7 @@ static void turn_component(struct turning *turning, struct vor_facing *told, uin
         contrary |= reach_from(turning, turning->queue[q]);
     told->components++;
     told->one_sided += contrary != 0;
-    if (!faces_inward(turning))
+    if (turning->xyz == NULL || !faces_inward(turning))
         return;
     for (size_t q = 0; q < turning->queued; q++)
         turn(&turning->complex->triangle[3 * (size_t)turning->queue[q]]);

@@ -17,7 +17,7 @@ struct vor_facing {
 
 /** Turns the triangles of a complex without points of several fans.
  *
- *  @param[in] xyz  n x 3
+ *  @param[in] xyz  n x 3; NULL: neighbours are turned alike, but no component outward
  *
  *  @retval VOR_E_NOMEM 5 bytes a triangle do not fit
  *

@@ -1,5 +1,6 @@
 #include "core/mesh/join.h"
 
+#include "core/mesh/carve.h"
 #include "core/mesh/close.h"
 #include "core/mesh/crowded.h"
 #include "core/mesh/front.h"
@@ -24,6 +25,13 @@ static vor_status close_loops(void *ctx, struct vor_error *err)
     vor_complex_prune(joining->complex);
     joining->closed += closed;
     return status;
+}
+
+static vor_status carve(void *ctx, struct vor_error *err)
+{
+    struct joining *joining = ctx;
+
+    return vor_carve(joining->complex, &joining->closed, &joining->balls, joining->run, err);
 }
 
 static vor_status advance(void *ctx, struct vor_error *err)
@@ -53,6 +61,7 @@ vor_status vor_join(struct vor_complex *complex, struct vor_sheet *sheet, int ti
                 break;
         }
     }
+    VOR_THEN(status, vor_run_call(run, carve, &joining, err));
     VOR_THEN(status, vor_crowded_find(sheet, complex, &joining.balls, run, err));
     vor_overs_free(&joining.overs);
     vor_balls_free(&joining.balls);

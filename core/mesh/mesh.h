@@ -1,10 +1,11 @@
 /** Triangles from the points of a result.
  *
- *  An advancing front (mesh/front.h), and small loops closed (mesh/close.h). Then edges are flipped
- *  (mesh/flip.h) and points moved a little (mesh/relax.h), so that triangles become better. Where
- *  edges are open then, the front goes on once more. At last faults may be repaired
- *  (mesh/repair.h): not where there are sheets, a density, an earlier result, or normals that the
- *  method found. What comes out is a manifold, turned one way (mesh/facing.h).
+ *  An advancing front (mesh/front.h), and small loops closed (mesh/close.h), some by
+ *  making what is around them anew (mesh/carve.h). Then edges are flipped (mesh/flip.h) and points
+ * moved a little (mesh/relax.h), so that triangles become better. Where edges are open then, the
+ * front goes on once more. At last faults may be repaired (mesh/repair.h): not where there are
+ * sheets, a density, an earlier result, or normals that the method found. What comes out is a
+ * manifold, turned one way (mesh/facing.h).
  *
  *  Source: Cohen-Steiner and Da 2004, as mesh/front.h says. Departure: not the dual of restricted
  *  cells as in Chen et al. 2018, Sec. 5.7: three cells rarely agree at creases and tips. */

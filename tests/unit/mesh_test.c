@@ -123,10 +123,11 @@ VT_TEST_FIGURES(a_sphere_and_a_torus_are_closed_and_face_outward, VT_FEWER(VT_SO
 
 /* Regressions: at edges of 70 degrees cells in tangent planes disagreed, it fell apart in its
  * faces; with as many input points a loop stayed open, the points of which lay badly until they
- * moved. */
-VT_TEST_FIGURES(a_tetrahedron_is_closed_and_faces_outward, VT_SOAK_LOOPS(2, 20))
+ * moved; flat, at edges of 26 degrees, triangles lay in the way of what would close loops. */
+VT_TEST_FIGURES(a_tetrahedron_is_closed_and_faces_outward, VT_SOAK_LOOPS(4, 20))
 {
-    size_t n = _i % 2 == 0 ? 2000 : 800;
+    size_t n = _i == 0 ? 2000 : 800;
+    float high = _i % 4 < 2 ? 1 : .3f;
     static const float tip[4][3] = {{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}};
     struct vor_cloud in;
     struct vt_meshed meshed;
@@ -139,6 +140,7 @@ VT_TEST_FIGURES(a_tetrahedron_is_closed_and_faces_outward, VT_SOAK_LOOPS(2, 20))
         for (size_t c = 0; c < 3; c++)
             in.xyz[3 * i + c] = (1 - u) * tip[i % 4][c] + u * (1 - v) * tip[(i + 1) % 4][c] +
                                 u * v * tip[(i + 2) % 4][c];
+        in.xyz[3 * i + 2] *= high;
     }
     mesh_of(&meshed, &in, 800);
     assert_sound(&meshed);
@@ -147,7 +149,7 @@ VT_TEST_FIGURES(a_tetrahedron_is_closed_and_faces_outward, VT_SOAK_LOOPS(2, 20))
     ck_assert_uint_eq(meshed.report.mesh_components, 1);
     for (size_t t = 0; t < meshed.mesh.count; t++)
         volume += volume6(&meshed, t) / 6;
-    ck_assert_double_eq_tol(volume, 8. / 3, .05);
+    ck_assert_double_eq_tol(volume, 8. / 3 * (double)high, .05);
     vt_meshed_free(&meshed);
     vor_cloud_free(&in);
 }
