@@ -18,8 +18,8 @@ struct vor_run {
     const struct vor_watch *watch;   /**< may be NULL */
     const struct vor_watch *no_stop; /**< the same, but never answers VOR_STOP (vor_no_stop_watch);
                                           NULL where watch never does */
-    double began; /**< the clock when the run began; records and budgets count from it */
-    double late;  /**< the clock when its time is over by far (base/budget.h); 0 for never */
+    double began;          /**< the clock when the run began; records and budgets count from it */
+    double late;           /**< the clock when its time is over by far (process.c); 0 for never */
     struct vor_part saved; /**< the checkpoint of an earlier run of the same request, to go on from;
                                 its size is 0 for none. One that is damaged, or of another request,
                                 is not used */
