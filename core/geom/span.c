@@ -20,6 +20,7 @@ struct grow {
     const struct vor_graph *graph;
     const unsigned char *edge;
     uint32_t *last, *size; /* of a tree: the end of its chain, and how many points it has */
+    uint64_t *levels;      /* of a point: those that its edges have, a bit each */
     unsigned level;
     int vote;
 };
@@ -111,7 +112,7 @@ static void join_level(void *ctx, size_t begin, size_t end, unsigned worker)
 
     (void)begin, (void)end, (void)worker;
     for (size_t i = 0; i < graph->n; i++)
-        for (unsigned a = 0; a < graph->count[i]; a++)
+        for (unsigned a = 0; grow->levels[i] >> grow->level & 1 && a < graph->count[i]; a++)
             if (grow->edge[i * graph->most + a] % VOR_SPAN_TURNS == grow->level)
                 join(grow, (uint32_t)i, a);
 }
@@ -125,6 +126,9 @@ static vor_status run_levels(struct grow *grow, const struct vor_run *run, struc
         grow->span->component[i] = grow->last[i] = (uint32_t)i;
         grow->span->next[i] = NONE;
         grow->size[i] = 1;
+        grow->levels[i] = 0;
+        for (unsigned a = 0; a < grow->graph->count[i]; a++)
+            grow->levels[i] |= 1ULL << grow->edge[i * grow->graph->most + a] % VOR_SPAN_TURNS;
     }
     for (; grow->level < VOR_SPAN_LEVELS && status == VOR_OK; grow->level++)
         status = vor_run_for(run, 1, 1, join_level, grow, err);
@@ -152,9 +156,10 @@ vor_status vor_span_make(struct vor_span *out, const struct vor_graph *graph,
 
     status = VOR_MAKE_ALL(run->memory, err, graph->n, VOR_ARRAY(span.component, graph->n, 1),
                           VOR_ARRAY(span.next, graph->n, 1), VOR_ARRAY(span.odd, graph->n, 1),
-                          VOR_ARRAY(grow.last, graph->n, 1), VOR_ARRAY(grow.size, graph->n, 1));
+                          VOR_ARRAY(grow.last, graph->n, 1), VOR_ARRAY(grow.size, graph->n, 1),
+                          VOR_ARRAY(grow.levels, graph->n, 1));
     VOR_THEN(status, run_levels(&grow, run, err));
-    VOR_FREE_ALL(run->memory, grow.size, grow.last);
+    VOR_FREE_ALL(run->memory, grow.levels, grow.size, grow.last);
     if (status == VOR_OK)
         *out = span;
     else

@@ -64,7 +64,7 @@ static inline double vor_span_vote(unsigned edge, unsigned differ)
  *  @param[in]  edge  n x most: edge[i most + a] is that to the a-th neighbour of point i
  *  @param[in]  vote  whether all edges between two trees vote, or the lightest one decides
  *
- *  @retval VOR_E_NOMEM 17 bytes a point do not fit
+ *  @retval VOR_E_NOMEM 25 bytes a point do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
  *  O(n most (log n + VOR_SPAN_LEVELS)), most of it comparisons of bytes; measured 1.3 us a point

@@ -18,9 +18,11 @@
  *  closed, signs are spread anew, across the points last that lie off their own fit, as beside an
  *  edge sharper than 90 degrees; these are kept if they close it. Without, of prisms with an edge
  *  of 70 and of 50 degrees 29 and 38 % of the points face inward, with it fewer than 0.5 %. Votes
- *  are not taken where the first signs close the surface twice as well, and others are where edges
- *  between planes that lie apart are crossed last and close it twice as well: of 4,784 results on a
- *  screw 209 and 2 face inward, of 5,426 on a block with thin walls 129 and 4.
+ *  are not taken where the first signs close the surface twice as well. All of this is done once
+ *  more with edges by the planes of their ends (input/propagate.h), where these contradict any, and
+ *  taken where it closes a component better. Inward without and with it, of inputs of 10,000 to
+ *  22,000 points: a wedge of 37 degrees 178 and 4, a screw 634 and 7, a gear 356 and 0, bodies
+ *  nearly in contact, with noise, 4,769 and 4.
  *  Departure: where a list has both faces of a thin part, as at the rim of a blade, one height fits
  *  neither: a quadratic in x, y and z does, whose gradient says which points face alike
  *  (input/back.h). Edges are by it wherever a strip of points has it, in components where as
@@ -77,7 +79,7 @@ struct vor_orient_how {
  *
  *  @param[out] out  free with vor_orientation_free; untouched on failure
  *
- *  @retval VOR_E_NOMEM 168 bytes for each point that is left do not fit: the graph's 94, and 74
+ *  @retval VOR_E_NOMEM 186 bytes for each point that is left do not fit: the graph's 94, and 92
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
  *  O(n log n), on the run's pool. The same bytes for any number of threads. Measured on one thread,
