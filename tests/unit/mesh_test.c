@@ -123,7 +123,7 @@ VT_TEST_FIGURES(a_sphere_and_a_torus_are_closed_and_face_outward, VT_FEWER(VT_SO
 
 /* Regressions: at edges of 70 degrees cells in tangent planes disagreed, it fell apart in its
  * faces; with as many input points a loop stayed open, the points of which lay badly until they
- * moved; flat, at edges of 26 degrees, triangles lay in the way of what would close loops. */
+ * moved; flat, at edges of 32 degrees, triangles lay in the way of what would close loops. */
 VT_TEST_FIGURES(a_tetrahedron_is_closed_and_faces_outward, VT_SOAK_LOOPS(4, 20))
 {
     size_t n = _i == 0 ? 2000 : 800;
