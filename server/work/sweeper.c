@@ -361,11 +361,12 @@ static void drop_strays(struct vor_job_service *service)
 /* What fails is tried again, with the next sweep at the latest. */
 static void keep_quotas(struct vor_job_service *service)
 {
+    static const enum vor_evict quotas[] = {VOR_EVICT_UPLOADS, VOR_EVICT_RESULTS};
     struct vor_error err;
 
-    if (vor_job_service_evict(service, VOR_EVICT_UPLOADS, &err) != VOR_OK ||
-        vor_job_service_evict(service, VOR_EVICT_RESULTS, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "uploads or results not deleted", VOR_TEXT("error", err.message));
+    for (size_t k = 0; k < sizeof quotas / sizeof *quotas; k++)
+        if (vor_job_service_evict(service, quotas[k], &err) != VOR_OK)
+            vor_log(VOR_LOG_WARN, "uploads or results not deleted", VOR_TEXT("error", err.message));
 }
 
 vor_status vor_job_service_sweep(struct vor_job_service *service, struct vor_error *err)
