@@ -13,8 +13,9 @@
 #define SMOOTH (-VOR_PEEL_BLUNT)
 #define FOLDED VOR_PEEL_BLUNT
 
-/* Edges kept for each that is open: it is looked at among few points and among many, and so are
- * those of the triangles around it that come and go. */
+/* Edges kept for each that is open, no more than points: it is looked at among few points and among
+ * many, and so are those of the triangles around it that come and go. With more than points, kitti
+ * to 10,000 takes 3 to 5 % less time, and 32 MB in the place of 25. */
 enum { EACH_SLOTS = 16 };
 
 vor_status vor_overs_make(struct vor_overs *out, struct vor_balls *balls, size_t edges,
@@ -23,7 +24,7 @@ vor_status vor_overs_make(struct vor_overs *out, struct vor_balls *balls, size_t
     struct vor_memory *memory = balls->sheet->seeds->run.memory;
     size_t slots = 1;
 
-    while (slots < EACH_SLOTS * edges)
+    while (slots < EACH_SLOTS * edges && slots < balls->sheet->seeds->n)
         slots *= 2;
     if (out->slot != NULL && slots <= out->last + 1)
         return VOR_OK;

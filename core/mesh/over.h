@@ -43,7 +43,7 @@ struct vor_overs {
  *
  *  @param[in,out] out  all zero at first; free with vor_overs_free, also on failure
  *
- *  @retval VOR_E_NOMEM 2 KB an edge do not fit
+ *  @retval VOR_E_NOMEM 2 KB an edge do not fit, or 128 bytes a point where that is less
  *
  *  O(edges). */
 VOR_NODISCARD vor_status vor_overs_make(struct vor_overs *out, struct vor_balls *balls,
