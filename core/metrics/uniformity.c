@@ -75,13 +75,14 @@ static void nearest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsign
     float query[3 * VOR_KNN_NEAR_MAX], distance2[2 * VOR_KNN_NEAR_MAX];
     struct vor_knn_near near = {query, 0, 2, NULL, 0};
 
-    for (size_t i = begin; i < end; i += near.count) {
-        near.count = end - i < VOR_KNN_NEAR_MAX ? end - i : VOR_KNN_NEAR_MAX;
-        for (size_t j = 0; j < near.count; j++)
+    for (size_t i = begin, count; i < end; i += count) {
+        count = end - i < VOR_KNN_NEAR_MAX ? end - i : VOR_KNN_NEAR_MAX;
+        for (size_t j = 0; j < count; j++)
             of[j] = order != NULL ? order[i + j] : (uint32_t)(i + j);
-        vor_gather(query, search->queries, of, near.count);
+        vor_gather(query, search->queries, of, count);
+        near.count = count;
         vor_knn_search_near(search->knn, &near, index, distance2);
-        for (size_t j = 0; j < near.count; j++)
+        for (size_t j = 0; j < count; j++)
             search->out[of[j]] = sqrtf(distance2[2 * j + 1]);
     }
 }
