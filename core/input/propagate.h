@@ -9,7 +9,7 @@
  *  ends meet between them, the edge says whether each end is below the other's plane, or above it:
  *  right at any crease and any distance, but wrong where normals near a crease are those of
  *  neither face. A component takes these signs where winding numbers say that they close it
- *  better. */
+ *  better by a quarter. */
 #ifndef VOR_INPUT_PROPAGATE_H
 #define VOR_INPUT_PROPAGATE_H
 
@@ -51,7 +51,7 @@ unsigned char vor_propagation_edge(const struct vor_propagation *propagation, si
  *                              span, all zero before, are to be freed with vor_propagation_free,
  *                              also on failure
  *
- *  @retval VOR_E_NOMEM 18 bytes a point and one for each edge do not fit, or what is called says so
+ *  @retval VOR_E_NOMEM 19 bytes a point and one for each edge do not fit, or what is called says so
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
  *  O(n log n), some microseconds a point, twice that where planes contradict an edge; on the run's

@@ -216,23 +216,24 @@ VT_TEST_FIGURES(meshes_face_outward, VT_ONCE(VT_SOAK_LOOPS(4, 2 + DRAWS)))
     sampled_free(&sampled);
 }
 
-/* Prisms about the origin, the edge at the top with 70, 60, 50 or 30 degrees, without noise and
- * with a third of the spacing, which walks would follow: fits at the edge have a normal of neither
- * face. */
+/* Prisms about the origin, an edge with 70, 60 or 50 degrees, without noise and with a third of the
+ * spacing, which walks would follow: fits at the edge have a normal of neither face. And 42. */
 VT_TEST_FIGURES(sharp_prisms_face_outward, VT_ONCE(7))
 {
     static uint32_t face[] = {0, 1, 2, 3, 4, 5, 0, 1, 4, 0, 4, 3,
                               1, 2, 5, 1, 5, 4, 2, 0, 3, 2, 3, 5};
-    static const double wide[] = {1.05, 0.87, 0.7, 0.4};
-    double w = wide[_i < 6 ? _i % 3 : 3],
-           xyz[] = {0, 1, -1, w, -0.5, -1, -w, -0.5, -1, 0, 1, 1, w, -0.5, 1, -w, -0.5, 1};
+    static const double wide[] = {1.05, 0.87, 0.7};
+    double w = wide[_i % 3], uneven[] = {-0.535, -0.182, 0.071, 0.364, 0.465, -0.182, 0.233},
+           even[] = {0, 1, w, -0.5, -w, -0.5, 1}, *p = _i < 6 ? even : uneven,
+           xyz[] = {p[0], p[1], -p[6], p[2], p[3], -p[6], p[4], p[5], -p[6],
+                    p[0], p[1], p[6],  p[2], p[3], p[6],  p[4], p[5], p[6]};
     const struct vt_mesh mesh = {6, 8, xyz, face};
     struct vor_cloud cloud;
     struct oriented oriented;
     size_t wrong = 0;
 
     vt_cloud_make(&cloud, 3 * (size_t)N);
-    vt_mesh_sample(cloud.xyz, NULL, &mesh, (uint64_t)_i * (_i < 6 ? 1 : 3), cloud.n);
+    vt_mesh_sample(cloud.xyz, NULL, &mesh, (uint64_t)_i % 6, cloud.n);
     if (_i / 3 == 1)
         vt_noise_add(&cloud, (uint64_t)_i, VT_NOISE_LOW);
     orient_on(&oriented, &cloud, 2);
