@@ -5,7 +5,6 @@
 #include "core/mesh/cut.h"
 #include "core/mesh/facing.h"
 #include "core/mesh/quality.h"
-#include "core/mesh/rims.h"
 
 #include <string.h>
 
@@ -295,10 +294,7 @@ static vor_status carve_all(struct carving *carving, const struct vor_rims *rims
     vor_status status = vor_facing_turn(carving->complex, &facing, NULL, err);
 
     for (size_t l = 0; l < rims->count && status == VOR_OK; l++) {
-        size_t count = rims->start[l + 1] - rims->start[l];
-
-        carving->cut.loop = &rims->point[rims->start[l]];
-        carving->cut.count = (unsigned)(count <= VOR_CUT_MOST ? count : VOR_CUT_MOST + 1);
+        vor_cut_set_loop(&carving->cut, rims, l);
         status = vor_run_answered(vor_run_poll(run), err);
         VOR_THEN(status, carve_loop(carving, closed, err));
     }

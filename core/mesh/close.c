@@ -2,7 +2,6 @@
 
 #include "core/mesh/crossing.h"
 #include "core/mesh/cut.h"
-#include "core/mesh/rims.h"
 #include "core/mesh/twosided.h"
 
 #include <string.h>
@@ -56,10 +55,7 @@ vor_status vor_close(struct vor_complex *complex, size_t *closed, const struct v
     if (status == VOR_OK && rims.count > 0) /* a loop of k edges has k - 2 triangles */
         status = vor_twosided_make(&closing->sides, complex, rims.start[rims.count], err);
     for (size_t l = 0; l < rims.count && status == VOR_OK; l++) {
-        closing->cut.loop = &rims.point[rims.start[l]];
-        closing->cut.count = (unsigned)(rims.start[l + 1] - rims.start[l] <= VOR_CUT_MOST
-                                            ? rims.start[l + 1] - rims.start[l]
-                                            : VOR_CUT_MOST + 1);
+        vor_cut_set_loop(&closing->cut, &rims, l);
         status = vor_run_answered(vor_run_poll(run), err);
         VOR_THEN(status, close_loop(closing, closed, err));
     }

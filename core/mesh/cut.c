@@ -95,6 +95,14 @@ static void collect(struct vor_cut *cut, unsigned a, unsigned b)
     }
 }
 
+void vor_cut_set_loop(struct vor_cut *cut, const struct vor_rims *rims, size_t l)
+{
+    size_t count = rims->start[l + 1] - rims->start[l];
+
+    cut->loop = &rims->point[rims->start[l]];
+    cut->count = (unsigned)(count <= VOR_CUT_MOST ? count : VOR_CUT_MOST + 1);
+}
+
 int vor_cut_find(struct vor_cut *cut)
 {
     unsigned count = cut->count;

@@ -6,6 +6,7 @@
 
 #include "core/mesh/balls.h"
 #include "core/mesh/complex.h"
+#include "core/mesh/rims.h"
 
 /** Most edges of a loop that is cut. On closed shapes they have 4 to 12, at tips up to 20. */
 enum { VOR_CUT_MOST = 48 };
@@ -25,6 +26,9 @@ struct vor_cut {
     unsigned taken; /**< triangles that were found */
     uint32_t triangle[VOR_CUT_MOST][3];
 };
+
+/** Takes loop l of those there are. One of more edges than VOR_CUT_MOST is not cut. */
+void vor_cut_set_loop(struct vor_cut *cut, const struct vor_rims *rims, size_t l);
 
 /** Finds the triangles that are best together, over all ways to cut the loop. Returns 0 where
  *  none closes it over points of the input, on one sheet, without passing through another.

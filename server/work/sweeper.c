@@ -504,7 +504,8 @@ void *vor_job_service_sweep_on(void *arg)
         look_at_disk(service);
         look_idle(service);
         drop_strays(service);
-        /* Not whoever made it more: a submit, or the end of a job, would wait for another sync. */
+        /* Here, and not where uploads and results are added: a submit, or the end of a job, would
+         * wait for one more sync. */
         if (atomic_exchange(&service->has_grown, 0))
             keep_quotas(service);
         if (!look_at_clock(service))
