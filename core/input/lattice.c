@@ -415,7 +415,8 @@ vor_status vor_lattice_find_regions(struct vor_regions *out, const struct vor_do
     for (size_t i = 0; i < domain->n; i++)
         last = domain->source[i] > last ? domain->source[i] : last;
     status = find_by(&other, domain, last, step, run, err);
-    if (status == VOR_OK && other.eligible > out->eligible && !(out->pitch[1] > other.pitch[1])) {
+    if (status == VOR_OK && other.eligible > out->eligible &&
+        !(out->pitch[1] > (1 + VOR_ON_LEVEL) * other.pitch[1])) {
         vor_free(run->memory, out->cell);
         *out = other;
         other.cell = NULL;
