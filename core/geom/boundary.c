@@ -162,12 +162,11 @@ int vor_boundary_beyond(const struct vor_surface *surface, const float *near, un
     return empty_side(&ends, surface, seed, side) < 0;
 }
 
-double vor_boundary_spacing(const float *near, unsigned k, const double x[3])
+/* vor_boundary_spacing where the point nearest to x is known. */
+static double spacing_at(const float *near, unsigned k, unsigned which)
 {
     double best[3] = {INFINITY, INFINITY, INFINITY};
-    unsigned which = 0;
 
-    (void)nearest2(near, k, x, &which);
     for (unsigned i = 0; i < k; i++) {
         double d2 = vor_distance2f(&near[3 * i], &near[3 * which]);
 
@@ -182,6 +181,14 @@ double vor_boundary_spacing(const float *near, unsigned k, const double x[3])
         }
     }
     return sqrt(best[2]);
+}
+
+double vor_boundary_spacing(const float *near, unsigned k, const double x[3])
+{
+    unsigned which = 0;
+
+    (void)nearest2(near, k, x, &which);
+    return spacing_at(near, k, which);
 }
 
 double vor_boundary_foot(const float *near, unsigned k, const double x[3], double foot[3],
@@ -240,13 +247,14 @@ int vor_boundary_pull(const float *near, unsigned k, const double foot[3], doubl
 
 double vor_boundary_reach(const float *near, unsigned k, const double x[3])
 {
-    double far2 = 0;
+    double far2 = 0, d2;
 
     for (unsigned i = 0; i < k; i++) {
         double d[3] = {(double)near[3 * i] - x[0], (double)near[3 * i + 1] - x[1],
                        (double)near[3 * i + 2] - x[2]};
 
-        far2 = fmax(far2, vor_dot(d, d));
+        d2 = vor_dot(d, d);
+        far2 = d2 > far2 ? d2 : far2;
     }
     return sqrt(far2);
 }
@@ -288,25 +296,32 @@ static double allowed_distance(const struct vor_border *border, double spacings,
     return spacings * border->spacing;
 }
 
+/* The same of x that is `length` from the nearest point. */
+static int is_outside(const struct vor_border *border, double spacings, const double x[3],
+                      double length)
+{
+    return length > VOR_OUTSIDE_BEYOND * spacings * border->spacing &&
+           length > allowed_distance(border, spacings, x);
+}
+
 int vor_boundary_outside(const struct vor_border *border, double spacings, const double x[3])
 {
     unsigned which = 0;
-    double length = sqrt(nearest2(border->near, border->k, x, &which));
 
-    return length > VOR_OUTSIDE_BEYOND * spacings * border->spacing &&
-           length > allowed_distance(border, spacings, x);
+    return is_outside(border, spacings, x, sqrt(nearest2(border->near, border->k, x, &which)));
 }
 
 int vor_boundary_leaves(const struct vor_border *border, double spacings, const double from[3],
                         const double to[3])
 {
     struct vor_border there = *border;
-    unsigned which = 0;
+    unsigned which = 0, other = 0;
+    double length2 = nearest2(there.near, there.k, to, &which);
 
-    if (nearest2(there.near, there.k, to, &which) <= nearest2(there.near, there.k, from, &which))
+    if (length2 <= nearest2(there.near, there.k, from, &other))
         return 0;
-    there.spacing = fmin(there.spacing, vor_boundary_spacing(there.near, there.k, to));
-    return vor_boundary_outside(&there, spacings, to);
+    there.spacing = fmin(there.spacing, spacing_at(there.near, there.k, which));
+    return is_outside(&there, spacings, to, sqrt(length2));
 }
 
 int vor_boundary_restrict(const struct vor_border *border, double spacings, double x[3])

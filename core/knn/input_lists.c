@@ -273,3 +273,17 @@ unsigned vor_input_lists_around(const struct vor_input_lists *lists, size_t i, c
     }
     return count;
 }
+
+uint32_t vor_input_lists_at(const struct vor_input_lists *lists, size_t i, const double x[3])
+{
+    const float at[3] = {(float)x[0], (float)x[1], (float)x[2]};
+    const uint32_t *list = &lists->list[i * lists->wide];
+    float distance2;
+    uint32_t point;
+
+    for (unsigned j = 0; lists->reach[i] >= 0 && j < lists->has[i]; j++)
+        if (memcmp(&lists->reference[3 * (size_t)list[j]], at, sizeof at) == 0)
+            return list[j];
+    vor_knn_search(lists->knn, at, 1, 1, &point, &distance2);
+    return point;
+}

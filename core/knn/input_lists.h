@@ -120,6 +120,10 @@ static inline unsigned vor_input_lists_count(const struct vor_input_lists *lists
 unsigned vor_input_lists_around(const struct vor_input_lists *lists, size_t i, const float x[3],
                                 unsigned k, uint32_t *index);
 
+/** The reference point nearest to x, which is at one: mostly in the list of i, else a search finds
+ *  it. O(k), O(log m) if not listed. */
+uint32_t vor_input_lists_at(const struct vor_input_lists *lists, size_t i, const double x[3]);
+
 /** The reference point that was nearest to query i in its last search, of those that its list was
  *  left; there has been one: lists->reach[i] >= 0. */
 static inline uint32_t vor_input_lists_first(const struct vor_input_lists *lists, size_t i)

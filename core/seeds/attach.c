@@ -63,7 +63,7 @@ struct vor_kept_foot {
     const struct vor_domain *domain; /* of the point; NULL: nothing */
     uint32_t foot[3];                /* its bits */
     unsigned k;
-    struct vor_surface surface;
+    struct vor_surface surface, plane;
     float near[]; /* room for as many as fits have, at most KEPT_SIZE */
 };
 
@@ -92,31 +92,39 @@ static struct vor_kept_foot *kept_at(const struct vor_seeds *seeds,
     return (void *)((char *)seeds->kept + (first + (hash >> 32) % KEPT_SLOTS) * kept_size(seeds));
 }
 
-/* vor_seeds_fit_at around an input point in scratch->foot, or what is kept of that. It counts as a
- * search whether it is kept or not, so that their number does not depend on the threads. */
+/* vor_seeds_fit_at around an input point in scratch->foot, and the plane through the points nearest
+ * to it, or what is kept of that. It counts as a search whether it is kept or not, so that their
+ * number does not depend on the threads. */
 static enum vor_surface_kind fit_foot(const struct vor_seeds *seeds, struct vor_scratch *scratch,
-                                      const double foot[3])
+                                      const double foot[3], struct vor_surface *plane)
 {
     const float at[3] = {(float)foot[0], (float)foot[1], (float)foot[2]};
     struct vor_place *place = &scratch->foot;
     struct vor_kept_foot *kept;
     uint32_t bits[3];
+    unsigned few;
 
-    if (seeds->kept == NULL)
-        return vor_seeds_fit_at(seeds, scratch, place, foot);
     memcpy(bits, at, sizeof bits);
-    kept = kept_at(seeds, scratch, bits);
-    if (kept->domain == seeds->domain && memcmp(kept->foot, bits, sizeof bits) == 0) {
+    kept = seeds->kept != NULL ? kept_at(seeds, scratch, bits) : NULL;
+    if (kept != NULL && kept->domain == seeds->domain &&
+        memcmp(kept->foot, bits, sizeof bits) == 0) {
         scratch->queries++;
         place->k = kept->k;
         place->surface = kept->surface;
+        *plane = kept->plane;
         memcpy(place->near, kept->near, 3 * kept->k * sizeof *place->near);
-    } else if (vor_seeds_fit_at(seeds, scratch, place, foot) != VOR_SURFACE_NONE &&
-               place->k <= kept_room(seeds)) {
+        return place->surface.kind;
+    }
+    if (vor_seeds_fit_at(seeds, scratch, place, foot) == VOR_SURFACE_NONE)
+        return VOR_SURFACE_NONE;
+    few = place->k < VOR_NEIGHBORS_FEWEST / 2 ? place->k : VOR_NEIGHBORS_FEWEST / 2;
+    vor_surface_fit_as(plane, place->near, few, VOR_SURFACE_PLANE);
+    if (kept != NULL && place->k <= kept_room(seeds)) {
         kept->domain = seeds->domain;
         memcpy(kept->foot, bits, sizeof bits);
         kept->k = place->k;
         kept->surface = place->surface;
+        kept->plane = *plane;
         memcpy(kept->near, place->near, 3 * place->k * sizeof *place->near);
     }
     return place->surface.kind;
@@ -140,16 +148,14 @@ double vor_attach_allowed(const struct vor_seeds *seeds)
  * that, if it is then half as far from the input or nearer: a surface fitted to the points of two
  * sheets, or of both sides of an edge, lies in the air between them. `around` was gathered around
  * that input point. Returns whether x was moved. */
-static int land(const struct vor_place *around, double length, double x[3])
+static int land(const struct vor_place *around, const struct vor_surface *plane, double length,
+                double x[3])
 {
-    unsigned few = around->k < VOR_NEIGHBORS_FEWEST / 2 ? around->k : VOR_NEIGHBORS_FEWEST / 2;
     double y[3] = {x[0], x[1], x[2]};
-    struct vor_surface plane;
 
-    vor_surface_fit_as(&plane, around->near, few, VOR_SURFACE_PLANE);
-    if (plane.kind == VOR_SURFACE_NONE)
+    if (plane->kind == VOR_SURFACE_NONE)
         return 0;
-    vor_surface_put(&plane, y);
+    vor_surface_put(plane, y);
     if (!vor_boundary_within(around->near, around->k, y, length / 2))
         return 0;
     memcpy(x, y, sizeof y);
@@ -178,14 +184,15 @@ int vor_attach_near(const struct vor_seeds *seeds, struct vor_scratch *scratch, 
 {
     const struct vor_place *here = &scratch->here, *around = &scratch->foot;
     double foot[3], way[3], length, least = least_allowed(seeds);
+    struct vor_surface plane;
     int moved;
 
     if (!stay_near(seeds))
         return 0;
     length = vor_boundary_foot(here->near, here->k, x, foot, way);
-    if (length <= least || fit_foot(seeds, scratch, foot) == VOR_SURFACE_NONE)
+    if (length <= least || fit_foot(seeds, scratch, foot, &plane) == VOR_SURFACE_NONE)
         return 0;
-    moved = land(around, length, x);
+    moved = land(around, &plane, length, x);
     return (!vor_seeds_surrounded(scratch, x) && draw_in(around, least, x)) || moved;
 }
 

@@ -349,16 +349,12 @@ enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor
  * -INFINITY: there is no surface. It depends on the point alone, so that whichever thread finds it
  * first may keep it for all. To ask counts as one search whether it is known or not, so that their
  * number does not depend on the threads. */
-static double spacing_at(const struct vor_seeds *seeds, struct vor_scratch *scratch,
+static double spacing_at(const struct vor_seeds *seeds, struct vor_scratch *scratch, uint32_t point,
                          const double foot[3])
 {
     const struct vor_place *place = &scratch->foot;
-    float query[3] = {(float)foot[0], (float)foot[1], (float)foot[2]}, distance2;
-    double spacing;
-    uint32_t point;
+    double spacing = atomic_load_explicit(&seeds->foot[point], memory_order_relaxed);
 
-    vor_knn_search(seeds->domain->knn, query, 1, 1, &point, &distance2);
-    spacing = atomic_load_explicit(&seeds->foot[point], memory_order_relaxed);
     if (spacing < 0 || spacing > 0) {
         scratch->queries++;
         return spacing;
@@ -378,12 +374,15 @@ void vor_seeds_border(const struct vor_seeds *seeds, struct vor_scratch *scratch
 {
     double foot[3] = {(double)place->near[0], (double)place->near[1], (double)place->near[2]};
     double sparse = seeds->domain->sparse, spacing;
+    float distance2;
+    uint32_t point;
 
     *border = (struct vor_border){&place->surface, place->near, place->k,
                                   fmin(place->surface.spacing, sparse)};
     if (vor_boundary_within(place->near, place->k, x, border->spacing))
         return;
-    spacing = fabs(spacing_at(seeds, scratch, foot));
+    vor_knn_search(seeds->domain->knn, place->near, 1, 1, &point, &distance2);
+    spacing = fabs(spacing_at(seeds, scratch, point, foot));
     if (!isinf(spacing))
         border->spacing = fmin(spacing, sparse);
 }
@@ -419,8 +418,8 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
         return 0;
     spacing = vor_boundary_spacing(near, k, x);
     if (length <= VOR_HOLE_MARGIN * spacing ||
+        spacing_at(seeds, scratch, vor_input_lists_at(&seeds->input_lists, i, foot), foot) < 0 ||
         (!seeds->sheets && goes_on(seeds, i, foot, way, k)) ||
-        spacing_at(seeds, scratch, foot) < 0 ||
         vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) == VOR_SURFACE_NONE ||
         vor_boundary_goes_on(other->near, other->k, foot, way, INFINITY))
         return 0;
