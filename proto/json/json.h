@@ -168,16 +168,12 @@ void vor_json_spec_value(struct vor_text *text, const struct vor_spec *spec,
 
 /** Sets what an object's members name; the others keep what spec has.
  *
- *  @param[in,out] spec     unchanged on failure
- *  @param[out]    pointer  JSON pointer to the member at fault below object, "" on success or when
- *                          object itself is at fault; cut at its size
+ *  @param[in,out] spec  unchanged on failure
  *  @retval VOR_E_PARAM object is no object, or as vor_spec_set_as (parameter names the member)
  *  @retval VOR_E_WORD  as vor_spec_set_as
  *
  *  vor_spec_check is the caller's to call. */
-#define VOR_JSON_POINTER_MAX 80
 VOR_NODISCARD vor_status vor_json_spec_read(struct vor_spec *spec, const struct vor_json *object,
-                                            char pointer[VOR_JSON_POINTER_MAX],
                                             struct vor_error *err);
 
 /** The JSON Schema of a parameter as a process has it, with its default and "x-unit". */

@@ -191,23 +191,6 @@ void vor_json_parameter_schema(struct vor_text *text, const struct vor_process_i
     vor_json_end_object(text);
 }
 
-/* "/name" with ~ and / escaped as RFC 6901 wants it. */
-static void write_pointer(char pointer[VOR_JSON_POINTER_MAX], const char *name)
-{
-    size_t at = 0;
-
-    pointer[at++] = '/';
-    for (; *name != '\0' && at + 3 <= VOR_JSON_POINTER_MAX; name++) {
-        if (*name == '~' || *name == '/') {
-            pointer[at++] = '~';
-            pointer[at++] = *name == '~' ? '0' : '1';
-        } else {
-            pointer[at++] = *name;
-        }
-    }
-    pointer[at] = '\0';
-}
-
 /* The words with commas between, as a list is written. What is no word stands there as JSON, which
  * is none either, so that the refusal shows it. */
 static vor_status set_array(struct vor_spec *spec, const struct vor_json *member,
@@ -258,22 +241,18 @@ static vor_status set_member(struct vor_spec *spec, const struct vor_json *membe
 }
 
 vor_status vor_json_spec_read(struct vor_spec *spec, const struct vor_json *object,
-                              char pointer[VOR_JSON_POINTER_MAX], struct vor_error *err)
+                              struct vor_error *err)
 {
     struct vor_spec next = *spec;
+    vor_status status = VOR_OK;
 
-    pointer[0] = '\0';
     if (vor_json_kind(object) != VOR_JSON_OBJECT)
         return vor_fail(err, VOR_E_PARAM, "the parameters are %s, want an object",
                         vor_json_kind_word(object));
-    for (const struct vor_json *m = vor_json_first(object); m != NULL; m = vor_json_next(m)) {
-        vor_status status = set_member(&next, m, err);
-
-        if (status != VOR_OK) {
-            write_pointer(pointer, vor_json_name(m));
-            return status;
-        }
-    }
-    *spec = next;
-    return VOR_OK;
+    for (const struct vor_json *m = vor_json_first(object); m != NULL && status == VOR_OK;
+         m = vor_json_next(m))
+        status = set_member(&next, m, err);
+    if (status == VOR_OK)
+        *spec = next;
+    return status;
 }

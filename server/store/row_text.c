@@ -121,7 +121,6 @@ static struct vor_json *parse(const char *text)
 static void read_request(struct vor_job_view *row, const struct vor_json *request)
 {
     const struct vor_process_info *process = vor_process_find(row->process);
-    char pointer[VOR_JSON_POINTER_MAX];
 
     row->request_lost = 1;
     if (process == NULL) {
@@ -129,7 +128,7 @@ static void read_request(struct vor_job_view *row, const struct vor_json *reques
         return;
     }
     vor_spec_preset(&row->spec, process);
-    if (request != NULL && vor_json_spec_read(&row->spec, request, pointer, NULL) == VOR_OK)
+    if (request != NULL && vor_json_spec_read(&row->spec, request, NULL) == VOR_OK)
         row->request_lost = 0;
     else
         vor_spec_preset(&row->spec, process);
