@@ -14,7 +14,7 @@ static int is(const char *word, const char *a, const char *b)
 static int help(const char *command)
 {
     if (command == NULL || strcmp(command, "help") == 0) {
-        vor_cli_overview(stdout);
+        vor_help_overview(stdout, vor_cli_command);
     } else {
         int code = vor_cli_topic(stdout, command);
 

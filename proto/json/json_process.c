@@ -77,36 +77,6 @@ static void put_artefact(struct vor_text *text, const struct vor_artefact_info *
     vor_json_end_object(text);
 }
 
-static void put_presets(struct vor_text *text, const struct vor_process_info *process)
-{
-    const struct vor_named_preset *preset;
-    char value[VOR_PRESET_VALUE_SIZE];
-    enum vor_parameter parameter;
-    struct vor_spec spec;
-    const char *at;
-
-    vor_json_put_array(text, "x-presets");
-    for (unsigned i = 0; (preset = vor_named_preset(process->id, i)) != NULL; i++) {
-        vor_json_begin_object(text);
-        vor_json_put_string(text, "name", preset->name);
-        vor_json_put_string(text, "title", preset->title);
-        vor_json_put_string(text, "description", preset->sentence);
-        vor_json_key(text, "values");
-        /* As a request has them. The table is ours: they are taken. */
-        vor_spec_preset(&spec, process);
-        vor_json_begin_object(text);
-        for (at = preset->values; vor_named_preset_next(&at, &parameter, value);) {
-            if (vor_spec_set(&spec, vor_parameter_info(parameter)->name, value, NULL) != VOR_OK)
-                continue;
-            vor_json_key(text, vor_parameter_info(parameter)->name);
-            vor_json_spec_value(text, &spec, parameter);
-        }
-        vor_json_end_object(text);
-        vor_json_end_object(text);
-    }
-    vor_json_end_array(text);
-}
-
 static void put_words(struct vor_text *text, const char *key, const char *const *words)
 {
     vor_json_put_array(text, key);
@@ -142,6 +112,12 @@ void vor_json_process_summary(struct vor_text *text, const struct vor_process_in
 void vor_json_process(struct vor_text *text, const struct vor_process_info *process,
                       const struct vor_link *links, size_t link_count)
 {
+    const struct vor_named_preset *preset;
+    char value[VOR_PRESET_VALUE_SIZE];
+    enum vor_parameter parameter;
+    struct vor_spec spec;
+    const char *at;
+
     vor_json_begin_object(text);
     put_summary(text, process, links, link_count);
     vor_json_put_object(text, "inputs");
@@ -155,7 +131,26 @@ void vor_json_process(struct vor_text *text, const struct vor_process_info *proc
     for (unsigned i = 0; process->outputs[i].name != NULL; i++)
         put_artefact(text, &process->outputs[i]);
     vor_json_end_object(text);
-    put_presets(text, process);
+    vor_json_put_array(text, "x-presets");
+    for (unsigned i = 0; (preset = vor_named_preset(process->id, i)) != NULL; i++) {
+        vor_json_begin_object(text);
+        vor_json_put_string(text, "name", preset->name);
+        vor_json_put_string(text, "title", preset->title);
+        vor_json_put_string(text, "description", preset->sentence);
+        vor_json_key(text, "values");
+        /* As a request has them. The table is ours: they are taken. */
+        vor_spec_preset(&spec, process);
+        vor_json_begin_object(text);
+        for (at = preset->values; vor_named_preset_next(&at, &parameter, value);) {
+            if (vor_spec_set(&spec, vor_parameter_info(parameter)->name, value, NULL) != VOR_OK)
+                continue;
+            vor_json_key(text, vor_parameter_info(parameter)->name);
+            vor_json_spec_value(text, &spec, parameter);
+        }
+        vor_json_end_object(text);
+        vor_json_end_object(text);
+    }
+    vor_json_end_array(text);
     /* What is told while it runs. */
     vor_json_put_object(text, "x-record");
     vor_json_members_schema(text, &vor_record_members);

@@ -150,7 +150,8 @@ vor_status vor_storage_directory(const char *path, struct vor_error *err)
     return failed ? vor_fail_access(err, failed, path) : VOR_OK;
 }
 
-static vor_status lock(int *fd, const char *path, int how, long *holder, struct vor_error *err)
+vor_status vor_storage_lock(int *fd, const char *path, int is_shared, long *holder,
+                            struct vor_error *err)
 {
     int file = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     vor_status status;
@@ -165,9 +166,9 @@ static vor_status lock(int *fd, const char *path, int how, long *holder, struct 
         free(copy);
         return status;
     }
-    if (flock(file, how | LOCK_NB) == 0) {
+    if (flock(file, (is_shared ? LOCK_SH : LOCK_EX) | LOCK_NB) == 0) {
         char text[24];
-        int size = how == LOCK_EX ? snprintf(text, sizeof text, "%ld\n", (long)getpid()) : 0;
+        int size = is_shared ? 0 : snprintf(text, sizeof text, "%ld\n", (long)getpid());
 
         /* On a full disk the lock holds all the same; it just does not say who has it. */
         if (ftruncate(file, 0) == 0 && pwrite(file, text, (size_t)size, 0) != size)
@@ -194,14 +195,4 @@ static vor_status lock(int *fd, const char *path, int how, long *holder, struct 
     }
     close(file);
     return status;
-}
-
-vor_status vor_storage_lock(int *fd, const char *path, long *holder, struct vor_error *err)
-{
-    return lock(fd, path, LOCK_EX, holder, err);
-}
-
-vor_status vor_storage_share_lock(int *fd, const char *path, long *holder, struct vor_error *err)
-{
-    return lock(fd, path, LOCK_SH, holder, err);
 }

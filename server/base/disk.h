@@ -35,17 +35,14 @@ const char *vor_storage_place(const char *where, const char *scheme);
 VOR_NODISCARD vor_status vor_storage_directory(const char *path, struct vor_error *err);
 
 /** Takes the lock file at path for this process (flock: gone with the process, whatever ends it)
- *  and writes our process id into it.
+ *  and writes our process id into it; is_shared: together with others that share it, and says
+ * nothing of who has it.
  *
  *  @param[out] fd      to be closed when the lock is to be given back
  *  @param[out] holder  0, or the process that has the lock (-1 when it has not said which it is)
  *
  *  @retval VOR_E_IO somebody has it (holder is not 0), or the file cannot be made */
-VOR_NODISCARD vor_status vor_storage_lock(int *fd, const char *path, long *holder,
+VOR_NODISCARD vor_status vor_storage_lock(int *fd, const char *path, int is_shared, long *holder,
                                           struct vor_error *err);
-
-/** The same, together with others that share it; says nothing of who has it. */
-VOR_NODISCARD vor_status vor_storage_share_lock(int *fd, const char *path, long *holder,
-                                                struct vor_error *err);
 
 #endif

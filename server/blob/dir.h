@@ -28,6 +28,14 @@ VOR_NODISCARD vor_status vor_blob_directory_open(struct vor_blob_directory *dire
                                                  struct vor_error *err);
 void vor_blob_directory_close(struct vor_blob_directory *directory);
 
+/** Functions of vor_blob_dir that such a driver has as they are. */
+VOR_NODISCARD vor_status vor_blob_directory_space(struct vor_blobs *blobs, uint64_t *available,
+                                                  uint64_t *total, struct vor_error *err);
+VOR_NODISCARD vor_status vor_blob_directory_create(struct vor_blobs *blobs,
+                                                   struct vor_blob_writer **out,
+                                                   struct vor_error *err);
+void vor_blob_directory_discard(struct vor_blob_writer *writer);
+
 /** The name of the blob that a file holds, and its job; NULL when the file is no blob. */
 const char *vor_blob_of_file(struct vor_uuid *id, const char *file);
 

@@ -48,34 +48,26 @@ static void drop_copy(void *ctx, const char *file)
     (void)vor_blob_dir.drop(ctx, file, NULL);
 }
 
-/* The copies of an earlier process may be older than the objects. */
-static vor_status open_parts(struct remote *remote, const struct vor_objects_kind *kind,
-                             const char *place, const struct vor_blob_cache *cache, long *holder,
-                             struct vor_error *err)
-{
-    char folder[4096];
-    vor_status status = kind->open(&remote->objects, place, err);
-
-    (void)snprintf(folder, sizeof folder, "%s/cache", cache->data);
-    VOR_THEN(status, vor_blob_directory_open(&remote->copies, folder, holder, err));
-    VOR_THEN(status, vor_blob_dir.list(&remote->copies.base, drop_copy, remote, err));
-    VOR_THEN(status, kind->probe(remote->objects, err));
-    return status == VOR_OK ? vor_drops_create(&remote->drops, remote->objects, err) : status;
-}
-
 static vor_status open_kind(const struct vor_objects_kind *kind, struct vor_blobs **out,
                             const char *place, const struct vor_blob_cache *cache, long *holder,
                             struct vor_error *err)
 {
     struct remote *remote = calloc(1, sizeof *remote);
     vor_status status;
+    char folder[4096];
 
     if (remote == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the files elsewhere");
     remote->copies.lock = remote->copies.parent = remote->copies.keep = remote->copies.tmp = -1;
     remote->copies_max = cache->bytes;
     pthread_mutex_init(&remote->trimming, NULL);
-    status = open_parts(remote, kind, place, cache, holder, err);
+    status = kind->open(&remote->objects, place, err);
+    (void)snprintf(folder, sizeof folder, "%s/cache", cache->data);
+    VOR_THEN(status, vor_blob_directory_open(&remote->copies, folder, holder, err));
+    /* The copies of an earlier process may be older than the objects. */
+    VOR_THEN(status, vor_blob_dir.list(&remote->copies.base, drop_copy, remote, err));
+    VOR_THEN(status, kind->probe(remote->objects, err));
+    VOR_THEN(status, vor_drops_create(&remote->drops, remote->objects, err));
     if (status != VOR_OK) {
         close_blobs((struct vor_blobs *)remote);
         return status;
@@ -248,7 +240,7 @@ static vor_status fetch(struct remote *remote, const char *file, const struct vo
 {
     struct vor_arrival arrival = {.watch = watch};
     struct vor_blob_writer *writer = NULL;
-    vor_status status = vor_blob_dir.create(&remote->copies.base, &writer, err);
+    vor_status status = vor_blob_directory_create(&remote->copies.base, &writer, err);
 
     if (status != VOR_OK)
         return status;
@@ -265,7 +257,7 @@ static vor_status fetch(struct remote *remote, const char *file, const struct vo
         close(*fd);
         *fd = -1;
     }
-    vor_blob_dir.discard(writer);
+    vor_blob_directory_discard(writer);
     return status;
 }
 
@@ -292,7 +284,7 @@ static vor_status put_pieces(struct remote *remote, const char *key, const struc
     struct vor_object_bytes bytes = {-1, list->size, sha256, patience};
     struct vor_arrival file = {.fd = -1};
     struct vor_blob_writer *writer = NULL;
-    vor_status status = vor_blob_dir.create(&remote->copies.base, &writer, err);
+    vor_status status = vor_blob_directory_create(&remote->copies.base, &writer, err);
 
     if (status != VOR_OK)
         return status;
@@ -303,7 +295,7 @@ static vor_status put_pieces(struct remote *remote, const char *key, const struc
         status = put(remote, key, &bytes, err);
     else
         *err = file.failure;
-    vor_blob_dir.discard(writer);
+    vor_blob_directory_discard(writer);
     return file.failure.status != VOR_OK ? file.failure.status : status;
 }
 
@@ -434,28 +426,11 @@ static void hurry(struct vor_blobs *blobs)
     atomic_store(&objects_of(blobs)->is_closing, 1);
 }
 
-static vor_status space(struct vor_blobs *blobs, uint64_t *available, uint64_t *total,
-                        struct vor_error *err)
-{
-    return vor_blob_dir.space(blobs, available, total, err);
-}
-
-static vor_status create(struct vor_blobs *blobs, struct vor_blob_writer **out,
-                         struct vor_error *err)
-{
-    return vor_blob_dir.create(blobs, out, err);
-}
-
-static void discard(struct vor_blob_writer *writer)
-{
-    vor_blob_dir.discard(writer);
-}
-
 /* What both do alike. */
 #define REMOTE                                                                                     \
-    .close = close_blobs, .space = space, .create = create, .reopen = reopen, .commit = commit,    \
-    .discard = discard, .get = get, .bring = bring, .is_near = is_near, .reach = reach,            \
-    .hurry = hurry, .drop = drop, .list = list
+    .close = close_blobs, .space = vor_blob_directory_space, .create = vor_blob_directory_create,  \
+    .reopen = reopen, .commit = commit, .discard = vor_blob_directory_discard, .get = get,         \
+    .bring = bring, .is_near = is_near, .reach = reach, .hurry = hurry, .drop = drop, .list = list
 
 const struct vor_blob_driver vor_blob_s3 = {.scheme = "s3",
                                             .place = "https://HOST/BUCKET/PREFIX",

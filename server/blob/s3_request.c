@@ -224,12 +224,17 @@ vor_status vor_s3_fail(const struct vor_s3_call *call, struct vor_error *err)
     return fail(call, CURLE_OK, err);
 }
 
-/* Sends it as often as it may succeed. */
-static CURLcode try_all(struct vor_s3_call *call)
+vor_status vor_s3_perform(struct vor_s3_call *call, struct vor_error *err)
 {
+    struct vor_s3 *s3 = call->s3;
+    struct vor_error failure = {.status = VOR_OK};
+    char reason[80] = "";
     CURLcode code = CURLE_OUT_OF_MEMORY;
     double began = vor_clock_seconds();
 
+    call->handle = take_handle(s3);
+    if (call->handle == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "a request to S3");
     for (int i = 0;; i++) {
         call->began = vor_clock_seconds();
         code = perform_once(call);
@@ -239,20 +244,6 @@ static CURLcode try_all(struct vor_s3_call *call)
             !vor_objects_again(&call->s3->base, i, began))
             break;
     }
-    return code;
-}
-
-vor_status vor_s3_perform(struct vor_s3_call *call, struct vor_error *err)
-{
-    struct vor_s3 *s3 = call->s3;
-    struct vor_error failure = {.status = VOR_OK};
-    char reason[80] = "";
-    CURLcode code;
-
-    call->handle = take_handle(s3);
-    if (call->handle == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "a request to S3");
-    code = try_all(call);
     give_handle(s3, call->handle);
     if (call->text.data != NULL && call->http == 404)
         vor_s3_element(call->text.data, "Code", reason, sizeof reason);

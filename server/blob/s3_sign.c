@@ -28,21 +28,6 @@ static void put_hex(struct vor_text *out, const uint8_t bytes[VOR_DIGEST_BYTES])
         vor_text_printf(out, "%02x", bytes[i]);
 }
 
-static void put_query(struct vor_text *out, const struct vor_s3_signing *signing, const char *time,
-                      const char *scope)
-{
-    vor_text_puts(out, "X-Amz-Algorithm=AWS4-HMAC-SHA256&X-Amz-Credential=");
-    vor_text_escape(out, signing->key_id);
-    vor_text_escape(out, "/");
-    vor_text_escape(out, scope);
-    vor_text_printf(out, "&X-Amz-Date=%s&X-Amz-Expires=%u", time, signing->seconds);
-    if (signing->token[0] != '\0') {
-        vor_text_puts(out, "&X-Amz-Security-Token=");
-        vor_text_escape(out, signing->token);
-    }
-    vor_text_printf(out, "&X-Amz-SignedHeaders=host%s", signing->query);
-}
-
 /* The key of a day, region and service, each of which is signed by the key before. */
 static void sign(const struct vor_s3_signing *signing, const char *day, const struct vor_text *text,
                  uint8_t out[VOR_DIGEST_BYTES])
@@ -80,7 +65,16 @@ void vor_s3_sign(const struct vor_s3_signing *signing, struct vor_text *out)
     (void)snprintf(day, sizeof day, "%.8s", time);
     (void)snprintf(scope, sizeof scope, "%s/%s/s3/aws4_request", day, signing->region);
     path = put_origin(&origin, signing->url);
-    put_query(&query, signing, time, scope);
+    vor_text_puts(&query, "X-Amz-Algorithm=AWS4-HMAC-SHA256&X-Amz-Credential=");
+    vor_text_escape(&query, signing->key_id);
+    vor_text_escape(&query, "/");
+    vor_text_escape(&query, scope);
+    vor_text_printf(&query, "&X-Amz-Date=%s&X-Amz-Expires=%u", time, signing->seconds);
+    if (signing->token[0] != '\0') {
+        vor_text_puts(&query, "&X-Amz-Security-Token=");
+        vor_text_escape(&query, signing->token);
+    }
+    vor_text_printf(&query, "&X-Amz-SignedHeaders=host%s", signing->query);
     if (!origin.failed && !query.failed)
         vor_text_printf(&request, "%s\n%s\n%s\nhost:%s\n\nhost\nUNSIGNED-PAYLOAD", signing->method,
                         path, query.data, strstr(origin.data, "://") + 3);

@@ -228,13 +228,3 @@ const struct vor_command *vor_cli_command(struct vor_command *out, unsigned inde
     *out = other(index - i);
     return out;
 }
-
-void vor_cli_overview(FILE *out)
-{
-    struct vor_command command;
-
-    vor_help_begin(out);
-    for (unsigned i = 0; vor_cli_command(&command, i) != NULL; i++)
-        vor_help_line(out, command.name, command.title);
-    vor_help_end(out);
-}

@@ -18,9 +18,6 @@ int vor_cli_help(FILE *out, const char *command);
  *  returns that; NULL past the last. serve is not run by vor_cli_main. */
 const struct vor_command *vor_cli_command(struct vor_command *out, unsigned index);
 
-/** Prints the list of commands. */
-void vor_cli_overview(FILE *out);
-
 /* The manual and the completions, which the build has made of the tables (docker/pages). */
 
 /** Prints the page that an option names: "--man" with "1", the commands, or "8", the daemon;

@@ -270,20 +270,15 @@ void vor_help_brief(FILE *out)
           out);
 }
 
-void vor_help_begin(FILE *out)
+void vor_help_overview(FILE *out,
+                       const struct vor_command *(*at)(struct vor_command *out, unsigned index))
 {
-    fputs("usage: voronoid COMMAND [OPTION]...\n\nCommands:\n", out);
-}
-
-void vor_help_line(FILE *out, const char *name, const char *title)
-{
-    fprintf(out, "  %-9s %s\n", name, title);
-}
-
-void vor_help_end(FILE *out)
-{
+    struct vor_command command;
     struct vor_topic topic;
 
+    fputs("usage: voronoid COMMAND [OPTION]...\n\nCommands:\n", out);
+    for (unsigned i = 0; at(&command, i) != NULL; i++)
+        fprintf(out, "  %-9s %s\n", command.name, command.title);
     fputs("\nTopics, shown by voronoid help TOPIC:\n", out);
     for (unsigned i = 0; vor_topic_at(&topic, i); i++)
         fprintf(out, "  %-12s %.*s\n", topic.name, topic.title_length, topic.title);

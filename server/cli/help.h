@@ -21,10 +21,9 @@ void vor_help_command(FILE *out, const struct vor_command *command);
 /** What voronoid is and how to begin, for who typed nothing else. */
 void vor_help_brief(FILE *out);
 
-/** The beginning and the end of the list of commands, and a line of it. */
-void vor_help_begin(FILE *out);
-void vor_help_line(FILE *out, const char *name, const char *title);
-void vor_help_end(FILE *out);
+/** The lists of commands, which `at` has (vor_cli_command), topics and exit codes. */
+void vor_help_overview(FILE *out,
+                       const struct vor_command *(*at)(struct vor_command *out, unsigned index));
 
 /** Prints the topic of that name. Returns the exit code; -1 when there is no such topic. */
 int vor_cli_topic(FILE *out, const char *name);

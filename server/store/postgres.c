@@ -187,28 +187,6 @@ struct parameters {
     char number[VOR_SQL_VALUES_MAX][NUMBER_SIZE];
 };
 
-static void write_parameters(struct parameters *out, const struct vor_sql_values *values)
-{
-    memset(out, 0, sizeof *out);
-    for (unsigned at = 0; at < values->count; at++) {
-        const struct vor_sql_value *value = &values->value[at];
-
-        out->value[at] = out->number[at];
-        if (value->type == 'i') {
-            out->type[at] = VOR_PG_INT8;
-            (void)snprintf(out->number[at], NUMBER_SIZE, "%" PRId64, value->number);
-        } else if (value->type == 'r') {
-            out->type[at] = VOR_PG_FLOAT8;
-            (void)snprintf(out->number[at], NUMBER_SIZE, "%.17g", value->real);
-        } else {
-            out->type[at] = value->type == 't' ? VOR_PG_TEXT : VOR_PG_BYTEA;
-            out->format[at] = value->type == 'b';
-            out->value[at] = value->bytes;
-            out->length[at] = (int)value->size;
-        }
-    }
-}
-
 /* Runs a statement on a connection that is there. */
 static vor_status ask(struct answer *out, struct postgres *db, struct connection *connection,
                       const char *sql, const struct vor_sql_values *values, struct vor_error *err)
@@ -225,7 +203,24 @@ static vor_status ask(struct answer *out, struct postgres *db, struct connection
     *out = (struct answer){.db = db};
     if (!translate(text, sizeof text, sql))
         return vor_fail(err, VOR_E_IO, "the job store: a statement is too long");
-    write_parameters(&with, values);
+    memset(&with, 0, sizeof with);
+    for (unsigned at = 0; at < values->count; at++) {
+        const struct vor_sql_value *value = &values->value[at];
+
+        with.value[at] = with.number[at];
+        if (value->type == 'i') {
+            with.type[at] = VOR_PG_INT8;
+            (void)snprintf(with.number[at], NUMBER_SIZE, "%" PRId64, value->number);
+        } else if (value->type == 'r') {
+            with.type[at] = VOR_PG_FLOAT8;
+            (void)snprintf(with.number[at], NUMBER_SIZE, "%.17g", value->real);
+        } else {
+            with.type[at] = value->type == 't' ? VOR_PG_TEXT : VOR_PG_BYTEA;
+            with.format[at] = value->type == 'b';
+            with.value[at] = value->bytes;
+            with.length[at] = (int)value->size;
+        }
+    }
     return send(out, connection, &question, err);
 }
 
@@ -350,23 +345,6 @@ static void give_rows(struct answer *answer, int (*each)(void *ctx, struct vor_s
         row.column = 0;
 }
 
-/* Within a transaction. */
-static vor_status change_in(struct postgres *db, struct vor_sql_changing *changing,
-                            struct vor_error *err, const char *sql,
-                            const struct vor_sql_values *values)
-{
-    struct answer answer;
-    vor_status status = ask(&answer, db, &db->writer, sql, values, err);
-
-    if (status == VOR_OK) {
-        give_rows(&answer, changing->each, changing->ctx);
-        changing->rows = atoi(db->pg->cmdTuples(answer.result));
-        db->is_news |= changing->rows > 0 && !db->is_apart;
-    }
-    end_answer(&answer);
-    return status;
-}
-
 static vor_status change(struct vor_sql *sql_db, struct vor_sql_changing *changing,
                          struct vor_error *err, const char *sql,
                          const struct vor_sql_values *values)
@@ -380,7 +358,15 @@ static vor_status change(struct vor_sql *sql_db, struct vor_sql_changing *changi
     if (is_alone)
         status = begin(sql_db, VOR_SQL_DURABLE, err);
     if (status == VOR_OK) {
-        status = change_in(db, changing, err, sql, values);
+        struct answer answer;
+
+        status = ask(&answer, db, &db->writer, sql, values, err);
+        if (status == VOR_OK) {
+            give_rows(&answer, changing->each, changing->ctx);
+            changing->rows = atoi(db->pg->cmdTuples(answer.result));
+            db->is_news |= changing->rows > 0 && !db->is_apart;
+        }
+        end_answer(&answer);
         if (is_alone)
             status = end(sql_db, status, err);
     }

@@ -311,7 +311,7 @@ static vor_status open_file(struct sqlite *db, const char *path, long *holder,
                                 : vor_fail(err, VOR_E_NOMEM, "the path of the job store");
         free(folder);
     }
-    VOR_THEN(status, vor_storage_lock(&db->lock, name, holder, err));
+    VOR_THEN(status, vor_storage_lock(&db->lock, name, 0, holder, err));
     if (status != VOR_OK)
         return status;
     status = connect(db, &db->writer, path, PRAGMAS_OF_WRITER, err);

@@ -13,21 +13,6 @@ const struct vor_store_driver *vor_store_driver_at(unsigned index)
     return index < sizeof drivers / sizeof drivers[0] ? drivers[index] : NULL;
 }
 
-static vor_status refuse(const char *where, struct vor_error *err)
-{
-    const struct vor_store_driver *driver;
-    char forms[128] = "";
-    size_t at = 0;
-
-    for (unsigned i = 0; (driver = vor_store_driver_at(i)) != NULL && at < sizeof forms; i++)
-        at += (size_t)snprintf(forms + at, sizeof forms - at, "%s%s:%s", i > 0 ? " or " : "",
-                               driver->scheme, driver->place);
-    /* What follows the scheme may hold a password. */
-    return vor_fail_param(err, VOR_E_IO, "store", "store is \"%.*s%s\", want %s",
-                          (int)strcspn(where, ":"), where, strchr(where, ':') != NULL ? ":..." : "",
-                          forms);
-}
-
 /* What SQLite takes to open a file that was closed in order: 32 KiB of memory that connections
  * share, and the head of its log. */
 static const uint64_t OPENING_BYTES = 64 << 10;
@@ -73,6 +58,8 @@ vor_status vor_store_open(struct vor_store **out, const char *where, int may_sha
                           struct vor_error *err)
 {
     const struct vor_store_driver *driver;
+    char forms[128] = "";
+    size_t at = 0;
 
     *holder = 0;
     if (strncmp(where, "postgresql://", 13) == 0) /* the other form of its URIs */
@@ -83,7 +70,13 @@ vor_status vor_store_open(struct vor_store **out, const char *where, int may_sha
         if (place != NULL)
             return open_with(driver, out, place, may_share, holder, err);
     }
-    return refuse(where, err);
+    for (unsigned i = 0; (driver = vor_store_driver_at(i)) != NULL && at < sizeof forms; i++)
+        at += (size_t)snprintf(forms + at, sizeof forms - at, "%s%s:%s", i > 0 ? " or " : "",
+                               driver->scheme, driver->place);
+    /* What follows the scheme may hold a password. */
+    return vor_fail_param(err, VOR_E_IO, "store", "store is \"%.*s%s\", want %s",
+                          (int)strcspn(where, ":"), where, strchr(where, ':') != NULL ? ":..." : "",
+                          forms);
 }
 
 void vor_store_close(struct vor_store *store)

@@ -104,13 +104,6 @@ void vor_job_service_forget_all(struct vor_job_service *service)
         vor_job_service_forget(service, *(struct vor_job **)service->live);
 }
 
-void vor_job_service_let_go(struct vor_runner *runner)
-{
-    pthread_mutex_lock(&runner->service->mutex);
-    runner->job = NULL;
-    pthread_mutex_unlock(&runner->service->mutex);
-}
-
 int vor_job_service_is_running(struct vor_job_service *service, const struct vor_job *job)
 {
     int is_running = 0;

@@ -105,9 +105,6 @@ struct vor_job **vor_job_service_live(struct vor_job_service *service, size_t *c
 void vor_job_service_forget(struct vor_job_service *service, struct vor_job *job);
 void vor_job_service_forget_all(struct vor_job_service *service);
 
-/** A runner has no job any more. */
-void vor_job_service_let_go(struct vor_runner *runner);
-
 /** True when a runner has the job. */
 int vor_job_service_is_running(struct vor_job_service *service, const struct vor_job *job);
 

@@ -85,20 +85,23 @@ static vor_status too_long(const struct run *run, struct vor_error *err)
                     what_of(run->order), seconds_for(run->order->size));
 }
 
-/* Says how a child ended that told nothing, in the log too. One that was slow to die is as much to
- * blame as one that crashed: the kill that it had was ours. */
-static vor_status explain(const struct run *run, const struct vor_child_end *end, int we_killed,
-                          struct vor_error *err)
+/* The channel is closed: the child has ended, or will not get far. */
+static vor_status take_end(struct run *run, struct vor_error *err)
 {
+    static const double MOMENT = 1; /* s: for a core that is slow to die */
+    struct vor_child_end end;
+    int has_ended = vor_child_reap(&run->child, &end, MOMENT) == VOR_CHILD_ENDED;
     const char *what = what_of(run->order);
 
+    /* Says how a child ended that told nothing, in the log too. One that was slow to die is as much
+     * to blame as one that crashed: the kill that it had was ours. */
     vor_log(VOR_LOG_WARN, "codec child ended", VOR_TEXT("work", what),
-            VOR_COUNT("signal", end->signal), VOR_COUNT("exit", end->status),
-            VOR_COUNT("bytes", run->order->size), VOR_REAL("cpu_s", end->cpu_seconds),
-            VOR_COUNT("peak", end->peak));
-    if (we_killed)
+            VOR_COUNT("signal", end.signal), VOR_COUNT("exit", end.status),
+            VOR_COUNT("bytes", run->order->size), VOR_REAL("cpu_s", end.cpu_seconds),
+            VOR_COUNT("peak", end.peak));
+    if (!has_ended)
         return vor_fail(err, blame(run), "%s failed: its process did not end", what);
-    switch (end->signal) {
+    switch (end.signal) {
     case SIGXCPU:
         return too_long(run, err);
     case SIGSYS:
@@ -111,18 +114,8 @@ static vor_status explain(const struct run *run, const struct vor_child_end *end
                         what);
     default:
         return vor_fail(err, blame(run), "%s failed: it crashed (signal %d, exit status %d)", what,
-                        end->signal, end->status);
+                        end.signal, end.status);
     }
-}
-
-/* The channel is closed: the child has ended, or will not get far. */
-static vor_status take_end(struct run *run, struct vor_error *err)
-{
-    static const double MOMENT = 1; /* s: for a core that is slow to die */
-    struct vor_child_end end;
-    int has_ended = vor_child_reap(&run->child, &end, MOMENT) == VOR_CHILD_ENDED;
-
-    return explain(run, &end, !has_ended, err);
 }
 
 static vor_status nonsense(struct run *run, struct vor_error *err)

@@ -414,7 +414,9 @@ static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error
             again = back.changed && !back.is_over &&
                     vor_job_restart(run->job, back.is_crash, vor_clock_wall_ms());
         if (again > 0) {
-            vor_job_service_let_go(run->runner); /* another runner may have it at once */
+            pthread_mutex_lock(&service->mutex); /* another runner may have it at once */
+            run->runner->job = NULL;
+            pthread_mutex_unlock(&service->mutex);
             vor_capacity_wait(service, &run->view, 1);
         }
         pthread_mutex_unlock(&service->claim);

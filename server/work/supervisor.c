@@ -334,21 +334,6 @@ static vor_status try_to_sit(struct run *run, struct vor_error *err)
     return status;
 }
 
-/* The same. A worker that has died since its last run shows when it is spoken to. */
-static vor_status sit_down(struct run *run, struct vor_error *err)
-{
-    vor_status status = VOR_E_IO;
-
-    pthread_mutex_lock(&run->supervisor->mutex);
-    for (int i = 0; i < STARTS && status != VOR_OK; i++) {
-        status = try_to_sit(run, err);
-        if (status != VOR_OK && run->worker->is_up)
-            break; /* it is not the worker */
-    }
-    pthread_mutex_unlock(&run->supervisor->mutex);
-    return status;
-}
-
 /* Tells the run what is asked of it, and looks whether it and its worker are in order. */
 static void look_after(struct run *run)
 {
@@ -519,11 +504,20 @@ static enum vor_run_end run_there(struct vor_run_executor *executor, const struc
     struct run run = {
         .supervisor = supervisor, .listener = listener, .result = result, .kept = kept, .err = err};
     enum vor_run_end end;
+    vor_status status = VOR_E_IO;
 
     run.worker = worker_for(supervisor, order, err);
     if (run.worker == NULL)
         return VOR_RUN_DISTURBED;
-    if (sit_down(&run, err) != VOR_OK) {
+    /* A worker that has died since its last run shows when it is spoken to. */
+    pthread_mutex_lock(&run.supervisor->mutex);
+    for (int i = 0; i < STARTS && status != VOR_OK; i++) {
+        status = try_to_sit(&run, err);
+        if (status != VOR_OK && run.worker->is_up)
+            break; /* it is not the worker */
+    }
+    pthread_mutex_unlock(&run.supervisor->mutex);
+    if (status != VOR_OK) {
         leave_worker(supervisor, run.worker);
         return VOR_RUN_DISTURBED;
     }

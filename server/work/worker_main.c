@@ -190,24 +190,13 @@ static void serve(struct worker *worker, int channel)
     }
 }
 
-/* Tells the front that the worker is ready, or why it is not. */
-static int report_ready(struct worker *worker, int channel)
-{
-    struct vor_memory memory;
-    struct vor_error err;
-    int is_fit;
-
-    vor_memory_init(&memory, SIZE_MAX);
-    is_fit = vor_self_test(worker->means.pool, &memory, &err) == VOR_OK;
-    return vor_channel_send(channel, is_fit ? (const void *)"" : &err, is_fit ? 1 : sizeof err,
-                            NULL, 0, NULL) == VOR_OK &&
-           is_fit;
-}
-
 int vor_worker_main(int channel, const int *fds, unsigned fd_count)
 {
     struct worker worker = {.state = fd_count >= 1 ? vor_shared_state_map(fds[0]) : NULL};
     const struct rlimit no_core = {0, 0};
+    struct vor_memory memory;
+    struct vor_error err;
+    int is_fit;
 
     if (worker.state == NULL || fd_count != (worker.state->has_codec ? 2 : 1))
         return EXIT_FAILURE;
@@ -234,7 +223,12 @@ int vor_worker_main(int channel, const int *fds, unsigned fd_count)
     if (vor_pool_create(&worker.means.pool, worker.state->threads, NULL) != VOR_OK ||
         !start_thread(tick, &worker))
         return VOR_WORKER_NO_POOL;
-    if (report_ready(&worker, channel))
+    /* Tells the front that the worker is ready, or why it is not. */
+    vor_memory_init(&memory, SIZE_MAX);
+    is_fit = vor_self_test(worker.means.pool, &memory, &err) == VOR_OK;
+    if (vor_channel_send(channel, is_fit ? (const void *)"" : &err, is_fit ? 1 : sizeof err, NULL,
+                         0, NULL) == VOR_OK &&
+        is_fit)
         serve(&worker, channel);
     return EXIT_SUCCESS;
 }

@@ -262,7 +262,7 @@ static void lock_in(const char *path)
     int fd;
 
     (void)snprintf(name, sizeof name, "%s/lock", path);
-    (void)!vor_storage_lock(&fd, name, &holder, &vt_err);
+    (void)!vor_storage_lock(&fd, name, 0, &holder, &vt_err);
 }
 
 static void make_folder(const char *path)
@@ -318,7 +318,7 @@ static pid_t locked_child(const char *path)
     ck_assert_int_eq(pipe(ready), 0);
     child = fork();
     if (child == 0) {
-        if (vor_storage_lock(&fd, path, &holder, NULL) == VOR_OK)
+        if (vor_storage_lock(&fd, path, 0, &holder, NULL) == VOR_OK)
             (void)!write(ready[1], "x", 1);
         for (;;)
             pause();
@@ -339,13 +339,13 @@ VT_TEST(a_lock_names_its_holder_and_dies_with_it)
 
     (void)snprintf(path, sizeof path, "%s/lock", dir);
     child = locked_child(path);
-    vt_assert_fails(VOR_E_IO, vor_storage_lock(&fd, path, &holder, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_storage_lock(&fd, path, 0, &holder, &vt_err));
     ck_assert_int_eq(holder, child);
     ck_assert_ptr_nonnull(strstr(vt_err.message, ", another daemon; choose another --data"));
     ck_assert_int_eq(fd, -1);
     kill(child, SIGKILL);
     waitpid(child, NULL, 0);
-    vt_assert_ok(vor_storage_lock(&fd, path, &holder, &vt_err));
+    vt_assert_ok(vor_storage_lock(&fd, path, 0, &holder, &vt_err));
     ck_assert_int_eq(holder, 0);
     close(fd);
 }

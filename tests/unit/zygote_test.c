@@ -345,7 +345,7 @@ static void be_front(const char *lock, int out)
     long holder;
     int fd;
 
-    vt_assert_ok(vor_storage_lock(&fd, lock, &holder, &vt_err));
+    vt_assert_ok(vor_storage_lock(&fd, lock, 0, &holder, &vt_err));
     pids[0] = zygote.pid;
     pids[1] = echoes.pid;
     pids[2] = spins.pid;
@@ -391,7 +391,7 @@ VT_TEST(a_front_that_is_killed_leaves_no_process_and_no_lock)
     ck_assert_int_eq(errno, ECHILD);
     for (int i = 0; i < 3; i++)
         ck_assert_int_eq(kill(pids[i], 0), -1);
-    vt_assert_ok(vor_storage_lock(&fd, lock, &holder, &vt_err));
+    vt_assert_ok(vor_storage_lock(&fd, lock, 0, &holder, &vt_err));
     close(fd);
     close(pipes[0]);
     close(pipes[1]);

@@ -79,22 +79,6 @@ static bool open_blob(struct vor_request *request, const struct vor_job_view *vi
     return found != 0;
 }
 
-/* The output that is kept in the row. */
-static bool open_kept(struct vor_request *request, const struct vor_job_view *view,
-                      struct output *out)
-{
-    struct vor_error err;
-    vor_status status = vor_store_report(request->app->store, &view->id, &out->bytes, &err);
-
-    if (status == VOR_OK && out->bytes == NULL)
-        return vor_result_missing(request, view);
-    if (status != VOR_OK)
-        return vor_problem_error(request, &err, view->id.text);
-    out->size = strlen(out->bytes);
-    vor_digest_etag(out->bytes, (size_t)out->size, out->etag);
-    return true;
-}
-
 static void name_file(const struct vor_job_view *view, unsigned index,
                       const struct vor_format *format, struct output *out)
 {
@@ -114,8 +98,19 @@ static bool open_output(struct vor_request *request, const struct vor_job_view *
     if (out->media_type == NULL)
         return vor_result_missing(request, view);
     name_file(view, index, vor_format(view->output[index].format), out);
-    if (vor_output_in_row(&view->spec.process->outputs[index]))
-        return open_kept(request, view, out);
+    if (vor_output_in_row(&view->spec.process->outputs[index])) {
+        /* The output that is kept in the row. */
+        struct vor_error err;
+        vor_status status = vor_store_report(request->app->store, &view->id, &out->bytes, &err);
+
+        if (status == VOR_OK && out->bytes == NULL)
+            return vor_result_missing(request, view);
+        if (status != VOR_OK)
+            return vor_problem_error(request, &err, view->id.text);
+        out->size = strlen(out->bytes);
+        vor_digest_etag(out->bytes, (size_t)out->size, out->etag);
+        return true;
+    }
     out->size = view->output[index].bytes;
     (void)snprintf(out->etag, sizeof out->etag, "\"%s\"", view->output[index].sha256);
     if (view->output[index].has_origin)
