@@ -117,7 +117,7 @@ endif
 TEST_LONG := %/methods_interrupted %/methods_threads tests/http/bytes.t tests/page/page.t \
     tests/http/slow.t tests/http/readme.t tests/cli/remote.t tests/golden/golden.t %/mesh_test %/job_service_artefacts %/growth
 BENCH_SRC := $(sort $(wildcard tests/by_hand/bench/*.c))
-BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/by_hand/bench/,wlop orient front ear register)
+BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/by_hand/bench/,wlop orient front ear register mls)
 
 .DELETE_ON_ERROR:
 # Objects that only rules by pattern name are kept. Of other files none is listed: what is missing is made, even if nothing is newer.
@@ -306,7 +306,7 @@ $(addprefix $(B)/tests/by_hand/bench/,wlop orient front ear): $(B)/tests/by_hand
 
 # PCL without its -dev package's 385: its headers stand in build/headers.
 PCL := registration features filters search sample_consensus kdtree octree common
-$(B)/tests/by_hand/bench/register: tests/by_hand/bench/register.cc
+$(addprefix $(B)/tests/by_hand/bench/,register mls): $(B)/tests/by_hand/bench/%: tests/by_hand/bench/%.cc
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
 	@$(CCACHE) $(CXX) -std=c++17 -O3 -DNDEBUG -isystem build/headers -isystem build/headers/pcl-1.13 -isystem /usr/include/eigen3 $< \

@@ -6,11 +6,14 @@ usage: codec.py YARDSTICK sample MESH N OUT.ply   N points of the mesh, white no
        codec.py YARDSTICK quarter CLOUD OUT.ply   every fourth of its points, drawn at random
        codec.py YARDSTICK psnr CLOUD.ply FILE.ply...   a line for each file: its D1, D2 and, where both have colours, YUV
                                   in dB against the cloud
+       codec.py YARDSTICK mls PROGRAM CLOUD OUT.ply   its places, each once, upsampled by the program mls; prints CPU seconds
        codec.py YARDSTICK saved   of lines "bytes dB bytes dB" on standard input, of two ways to code: the share of bytes, in
                                   percent, that the second one saves at equal dB (Bjontegaard's BD-rate, cubics of log bytes);
                                   "none" where no dB is reached by both
 YARDSTICK: the folder with cloudio.py. D1, D2 and YUV: those of mpeg-pcc-dmetric, with normals of the quadric through 20 points; YUV is (6 Y + U + V) / 8 by
 BT.709, and points in one place have the mean of their colours."""
+import os
+import subprocess
 import sys
 import numpy as np
 from scipy.spatial import cKDTree
@@ -89,6 +92,14 @@ elif sys.argv[2] == "quarter":
     vertices = read_ply(sys.argv[3])[0]
     vertices = vertices[np.random.default_rng(SEED).permutation(len(vertices))[:len(vertices) // 4]]
     write_ply(sys.argv[4], xyz(vertices), colours_of(vertices))
+elif sys.argv[2] == "mls":
+    places = np.unique(xyz(read_ply(sys.argv[4])[0]), axis=0)
+    middle, raw = places.mean(0), [f"{sys.argv[5]}.{end}" for end in ("in", "out")]
+    (places - middle).astype("<f4").tofile(raw[0])
+    print(subprocess.run([sys.argv[3], *raw], check=True, stdout=subprocess.PIPE, text=True).stdout.strip())
+    write_ply(sys.argv[5], np.fromfile(raw[1], "<f4").reshape(-1, 3) + middle)
+    for path in raw:
+        os.remove(path)
 elif sys.argv[2] == "saved":
     a = np.array([line.split() for line in sys.stdin], float)
     low, high = max(a[:, 1].min(), a[:, 3].min()), min(a[:, 1].max(), a[:, 3].max())
