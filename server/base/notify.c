@@ -11,36 +11,25 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Bytes of the address of a path, or of an abstract name: "@name" there, a NUL and the name here. 0
- * when it is none. */
-static socklen_t fill_address(struct sockaddr_un *at, const char *path)
-{
-    size_t size = strlen(path);
-
-    if ((path[0] != '/' && path[0] != '@') || size < 2 || size >= sizeof at->sun_path)
-        return 0;
-    memset(at, 0, sizeof *at);
-    at->sun_family = AF_UNIX;
-    memcpy(at->sun_path, path, size);
-    if (path[0] == '@')
-        at->sun_path[0] = '\0';
-    return (socklen_t)(offsetof(struct sockaddr_un, sun_path) + size + (path[0] == '/'));
-}
-
 void vor_notify(const char *lines)
 {
     const char *path = getenv("NOTIFY_SOCKET");
-    struct sockaddr_un at;
-    socklen_t size = path != NULL ? fill_address(&at, path) : 0;
+    size_t size = path != NULL ? strlen(path) : 0;
+    struct sockaddr_un at = {.sun_family = AF_UNIX};
     int fd;
 
-    if (size == 0)
+    /* A path, or an abstract name: "@name" there, a NUL and the name here. */
+    if (size < 2 || size >= sizeof at.sun_path || (path[0] != '/' && path[0] != '@'))
         return;
+    memcpy(at.sun_path, path, size);
+    if (path[0] == '@')
+        at.sun_path[0] = '\0';
     fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     if (fd < 0)
         return;
+    size += offsetof(struct sockaddr_un, sun_path) + (path[0] == '/');
     (void)sendto(fd, lines, strlen(lines), MSG_DONTWAIT | MSG_NOSIGNAL,
-                 (const struct sockaddr *)&at, size);
+                 (const struct sockaddr *)&at, (socklen_t)size);
     (void)close(fd);
 }
 

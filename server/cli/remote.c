@@ -170,26 +170,6 @@ static int on_tick(void *ctx, VOR_UNUSED curl_off_t down, VOR_UNUSED curl_off_t 
            (exchange->call->ends_to_stop && vor_interrupt_stops());
 }
 
-static void set_up(CURL *handle, struct exchange *exchange)
-{
-    const struct vor_remote_call *call = exchange->call;
-
-    vor_curl_begin(handle, exchange->url, exchange->remote->why);
-    if (socket_path[0] != '\0' && !exchange->is_there)
-        curl->easy_setopt(handle, CURLOPT_UNIX_SOCKET_PATH, socket_path);
-    curl->easy_setopt(handle, CURLOPT_TCP_KEEPALIVE, 1L);
-    curl->easy_setopt(handle, CURLOPT_TIMEOUT, (long)call->timeout_seconds);
-    if (call->stall_seconds > 0) {
-        curl->easy_setopt(handle, CURLOPT_LOW_SPEED_LIMIT, 1L);
-        curl->easy_setopt(handle, CURLOPT_LOW_SPEED_TIME, (long)call->stall_seconds);
-    }
-    curl->easy_setopt(handle, CURLOPT_WRITEFUNCTION, on_bytes);
-    curl->easy_setopt(handle, CURLOPT_WRITEDATA, exchange);
-    curl->easy_setopt(handle, CURLOPT_XFERINFOFUNCTION, on_tick);
-    curl->easy_setopt(handle, CURLOPT_XFERINFODATA, exchange);
-    curl->easy_setopt(handle, CURLOPT_CUSTOMREQUEST, call->method);
-}
-
 /* What the call sends. *form is freed after the call. */
 static int send_files(CURL *handle, struct vor_remote_call *call, curl_mime **form)
 {
@@ -219,22 +199,6 @@ static int send_files(CURL *handle, struct vor_remote_call *call, curl_mime **fo
     return curl->easy_setopt(handle, CURLOPT_MIMEPOST, *form) == CURLE_OK;
 }
 
-static vor_status outcome(const struct exchange *exchange, CURLcode code, struct vor_error *err)
-{
-    const struct vor_remote_call *call = exchange->call;
-    const char *why = exchange->remote->why;
-
-    if (code == CURLE_OK || call->was_stopped)
-        return VOR_OK;
-    if (code == CURLE_ABORTED_BY_CALLBACK)
-        return vor_interrupt_fail(err);
-    if (code == CURLE_OUT_OF_MEMORY)
-        return vor_fail(err, VOR_E_NOMEM, "a request");
-    if (code == CURLE_WRITE_ERROR && call->text.failed)
-        return vor_fail(err, VOR_E_LIMIT, "the response has more than %zu bytes", call->text.cap);
-    return vor_fail(err, VOR_E_IO, "%s", why[0] != '\0' ? why : curl->easy_strerror(code));
-}
-
 static int send_headers(const struct exchange *exchange, struct curl_slist **out)
 {
     const struct vor_remote *remote = exchange->remote;
@@ -258,6 +222,7 @@ static vor_status perform_once(struct exchange *exchange, struct vor_error *err)
 {
     struct vor_remote *remote = exchange->remote;
     struct vor_remote_call *call = exchange->call;
+    CURL *handle = remote->handle;
     struct curl_slist *headers = NULL;
     curl_mime *form = NULL;
     CURLcode code = CURLE_OUT_OF_MEMORY;
@@ -266,14 +231,36 @@ static vor_status perform_once(struct exchange *exchange, struct vor_error *err)
     call->http = 0;
     call->was_stopped = 0;
     vor_text_init(&call->text, VOR_JSON_SIZE_MAX);
-    set_up(remote->handle, exchange);
-    if (send_headers(exchange, &headers) && send_files(remote->handle, call, &form))
-        code = curl->easy_perform(remote->handle);
-    (void)curl->easy_getinfo(remote->handle, CURLINFO_RESPONSE_CODE, &http);
+    vor_curl_begin(handle, exchange->url, remote->why);
+    if (socket_path[0] != '\0' && !exchange->is_there)
+        curl->easy_setopt(handle, CURLOPT_UNIX_SOCKET_PATH, socket_path);
+    curl->easy_setopt(handle, CURLOPT_TCP_KEEPALIVE, 1L);
+    curl->easy_setopt(handle, CURLOPT_TIMEOUT, (long)call->timeout_seconds);
+    if (call->stall_seconds > 0) {
+        curl->easy_setopt(handle, CURLOPT_LOW_SPEED_LIMIT, 1L);
+        curl->easy_setopt(handle, CURLOPT_LOW_SPEED_TIME, (long)call->stall_seconds);
+    }
+    curl->easy_setopt(handle, CURLOPT_WRITEFUNCTION, on_bytes);
+    curl->easy_setopt(handle, CURLOPT_WRITEDATA, exchange);
+    curl->easy_setopt(handle, CURLOPT_XFERINFOFUNCTION, on_tick);
+    curl->easy_setopt(handle, CURLOPT_XFERINFODATA, exchange);
+    curl->easy_setopt(handle, CURLOPT_CUSTOMREQUEST, call->method);
+    if (send_headers(exchange, &headers) && send_files(handle, call, &form))
+        code = curl->easy_perform(handle);
+    (void)curl->easy_getinfo(handle, CURLINFO_RESPONSE_CODE, &http);
     call->http = (int)http;
     curl->slist_free_all(headers);
     curl->mime_free(form);
-    return outcome(exchange, code, err);
+    if (code == CURLE_OK || call->was_stopped)
+        return VOR_OK;
+    if (code == CURLE_ABORTED_BY_CALLBACK)
+        return vor_interrupt_fail(err);
+    if (code == CURLE_OUT_OF_MEMORY)
+        return vor_fail(err, VOR_E_NOMEM, "a request");
+    if (code == CURLE_WRITE_ERROR && call->text.failed)
+        return vor_fail(err, VOR_E_LIMIT, "the response has more than %zu bytes", call->text.cap);
+    return vor_fail(err, VOR_E_IO, "%s",
+                    remote->why[0] != '\0' ? remote->why : curl->easy_strerror(code));
 }
 
 /* Gets the bytes from where the daemon says that they lie. */
