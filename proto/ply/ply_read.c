@@ -248,34 +248,19 @@ static vor_status read_element(struct reader *reader, const struct vor_ply_eleme
                : vor_ply_binary_skip(&reader->body, element, err);
 }
 
-/* Reads the elements up to the last one that is kept. */
-static vor_status read_elements(struct reader *reader, struct vor_error *err)
-{
-    const struct vor_ply_header *header = &reader->header;
-    unsigned last = header->element_count - 1;
-    vor_status status = VOR_OK;
-
-    while (!is_kept(reader, &header->elements[last]))
-        last--;
-    for (unsigned i = 0; status == VOR_OK && i <= last; i++)
-        status = read_element(reader, &header->elements[i], err);
-    reader->cloud.triangles = reader->faces.triangles;
-    reader->cloud.triangle_count = reader->faces.count;
-    reader->cloud.polygons = reader->faces.polygons;
-    return status;
-}
-
 static vor_status read_file(struct reader *reader, const struct vor_limits *limits,
                             struct vor_error *err)
 {
     struct vor_ply_body *body = &reader->body;
+    struct vor_ply_header *header = &reader->header;
+    unsigned last;
     vor_status status =
-        vor_ply_header_read(&reader->header, body->bytes, body->size, limits->header_bytes, err);
+        vor_ply_header_read(header, body->bytes, body->size, limits->header_bytes, err);
 
     if (status != VOR_OK)
         return status;
-    body->at = reader->header.body;
-    body->encoding = reader->header.encoding;
+    body->at = header->body;
+    body->encoding = header->encoding;
     status = find_vertex(reader, limits, err);
     if (status != VOR_OK)
         return status;
@@ -286,19 +271,23 @@ static vor_status read_file(struct reader *reader, const struct vor_limits *limi
     reader->faces.tells_apart = limits->keep_faces == VOR_FACES_KEPT;
     reader->faces.vertices = reader->vertex->count;
     reader->faces.most = 2 * (limits->points < VOR_POINTS_MAX ? limits->points : VOR_POINTS_MAX);
-    status = read_elements(reader, err);
-    if (status == VOR_OK) {
-        /* Refuses or drops points that are not finite. */
-        status = VOR_OK;
-        if (reader->body.not_finite > 0)
-            status = vor_cloud_sift(&reader->cloud, reader->wide, limits->drop_invalid, err);
-        status = status == VOR_OK ? VOR_OK : vor_fail_at(err, status, reader->body.not_finite);
+    for (last = header->element_count - 1; !is_kept(reader, &header->elements[last]);)
+        last--;
+    for (unsigned i = 0; status == VOR_OK && i <= last; i++)
+        status = read_element(reader, &header->elements[i], err);
+    reader->cloud.triangles = reader->faces.triangles;
+    reader->cloud.triangle_count = reader->faces.count;
+    reader->cloud.polygons = reader->faces.polygons;
+    if (status == VOR_OK && body->not_finite > 0) {
+        status = vor_cloud_sift(&reader->cloud, reader->wide, limits->drop_invalid, err);
+        if (status != VOR_OK)
+            status = vor_fail_at(err, status, body->not_finite);
     }
     if (status == VOR_OK && reader->wide != NULL)
         status = vor_cloud_set_double(&reader->cloud, reader->wide, err);
     if (status == VOR_OK && reader->wide != NULL && limits->keep_doubles)
         vor_cloud_keep_double(&reader->cloud, &reader->wide);
-    VOR_THEN(status, vor_ply_note(&reader->cloud, body->bytes, &reader->header, reader->vertex,
+    VOR_THEN(status, vor_ply_note(&reader->cloud, body->bytes, header, reader->vertex,
                                   limits->keep_faces, err));
     return status;
 }
