@@ -108,26 +108,28 @@ static vor_status attach_hanging(struct making *making, int repairs, struct vor_
 }
 
 /* Flips edges and moves the corners of the triangles from `since` on, at last onto the input where
- * sheets are near each other. May repair the triangulation before each flip; then they move in
- * twice as many steps: with as many / twice / three times, fandisk to 10,000: mean quality .9692 /
- * .9703 / .9711, delta .062 / .064 / .065. After repairs, sizes of triangles that are not near
- * creases count too: strain does not see them, and leaves cells less even than no repair does. No
- * repair / repair by strain alone / so, eta, delta and mean quality: sphere to 5,072 .0047, .0401,
- * .9725 / .0061, .0510, .9762 / .0040, .0391, .9733; igea to 20,000 .0071, .0386, .9769 / .0089,
- * .0478, .9800 / .0067, .0386, .9774; armadillo to 30,000 .0173, .0614, .9643 / .0177, .0625, .9743
- * / .0146, .0535, .9714. Steps to the middles of the triangles in their place leave .0427, .0410
- * and .0552; with no regard to creases the quality of fandisk is .966. */
+ * sheets are near each other. May repair the triangulation before each flip; before that, one round
+ * is enough, and the points move in as many steps after the first repair and twice as many after
+ * the second. Two rounds before and twice as many steps after each repair, three by size / this,
+ * mean quality and delta: fandisk to 10,000 .9720, .0653 / .9711, .0642; torus .9756, .0359 /
+ * .9749, .0353; armadillo to 30,000 .9708, .0545 / .9701, .0532. As few steps after both repairs,
+ * fandisk .9699, .0616. After repairs, sizes of triangles that are not near creases count too:
+ * strain does not see them, and leaves cells less even than no repair does. No repair / repair by
+ * strain alone, with all these steps, / this, eta, delta and mean quality: sphere to 5,072 .0047,
+ * .0401, .9725 / .0061, .0510, .9762 / .0040, .0386, .9722; with a step more by size, armadillo
+ * .0523 and .9694. With no regard to creases the quality of fandisk is .966. */
 static vor_status better(struct making *making, size_t since, int repairs, struct vor_error *err)
 {
     const struct vor_recall recall = {.slack = VOR_SEEDS_SLACK, .refine = making->how->refine};
-    struct vor_relax_how how = {.steps = (unsigned)(1 + repairs) * VOR_RELAX_STEPS,
-                                .fixed = making->how->fixed,
+    struct vor_relax_how how = {.fixed = making->how->fixed,
                                 .refine = making->how->refine,
                                 .since = since,
                                 .creases = (unsigned)repairs};
+    int rounds = !repairs && may_repair(making) ? 1 : VOR_RELAX_ROUNDS;
     vor_status status = VOR_OK;
 
-    for (int round = 0; round < VOR_RELAX_ROUNDS && status == VOR_OK; round++) {
+    for (int round = 0; round < rounds && status == VOR_OK; round++) {
+        how.steps = (unsigned)(repairs ? 1 + round : 1) * VOR_RELAX_STEPS;
         if (repairs)
             status = vor_repair(&making->complex, &making->sheet, making->seeds, making->how->fixed,
                                 &recall, err);
@@ -137,7 +139,7 @@ static vor_status better(struct making *making, size_t since, int repairs, struc
     if (repairs) {
         how.creases = VOR_RELAX_ROUNDS * how.steps + VOR_RELAX_STEPS;
         how.aim = VOR_RELAX_SIZE;
-        how.steps = VOR_RELAX_STEPS;
+        how.steps = VOR_RELAX_STEPS - 1;
         VOR_THEN(status, vor_relax(&making->sheet, making->seeds, &making->complex, &how, err));
     }
     VOR_THEN(status, vor_attach_last(making->seeds, err));

@@ -47,12 +47,21 @@ struct ring {
     uint32_t point[RING_SIZE];
 };
 
+/* The triangles around a point, as it moves: their other corners, and how long the edge between
+ * those is, squared. */
+struct fan {
+    unsigned n;
+    float corner[VOR_AROUND_MOST][2][3];
+    double across[VOR_AROUND_MOST];
+};
+
 struct worst {
     struct vor_complex *complex;
     struct vor_sheet *sheet;
     struct vor_seeds *seeds;
     size_t fixed;
     const struct vor_recall *how;
+    unsigned char *movable; /* n: the point may move, which flips do not change */
     unsigned char
         *tried;         /* n: edges there were flipped in vain, and none near with success since */
     struct bad *bad;    /* a triangle each, `count` are set */
@@ -82,6 +91,38 @@ static double badness_around(const struct worst *worst, uint32_t i, double enoug
         uint32_t at = complex->around[(size_t)i * VOR_AROUND_MOST + t];
         double over =
             vor_triangle_strain(worst->seeds->xyz, &complex->triangle[3 * (size_t)at]) - 1;
+
+        over *= over * over * over;
+        sum += over * over;
+    }
+    return sum;
+}
+
+static void find_fan(struct fan *fan, const struct worst *worst, uint32_t i)
+{
+    const struct vor_complex *complex = worst->complex;
+
+    fan->n = complex->degree[i];
+    for (unsigned t = 0; t < fan->n; t++) {
+        uint32_t other[2];
+
+        vor_complex_others(complex, complex->around[(size_t)i * VOR_AROUND_MOST + t], i, other);
+        for (int e = 0; e < 2; e++)
+            memcpy(fan->corner[t][e], &worst->seeds->xyz[3 * (size_t)other[e]],
+                   sizeof fan->corner[t][e]);
+        fan->across[t] = vor_distance2f(fan->corner[t][0], fan->corner[t][1]);
+    }
+}
+
+/* As badness_around, with the point at x. */
+static double badness_from(const struct fan *fan, const float x[3], double enough)
+{
+    double sum = 0;
+
+    for (unsigned t = 0; t < fan->n && sum < enough; t++) {
+        double a = vor_distance2f(x, fan->corner[t][0]), b = vor_distance2f(x, fan->corner[t][1]);
+        double c = fan->across[t], area2 = 4 * a * b - (a + b - c) * (a + b - c);
+        double over = area2 > 0 ? (a + b + c) / sqrt(3 * area2) - 1 : INFINITY;
 
         over *= over * over * over;
         sum += over * over;
@@ -134,12 +175,6 @@ static int hangs(const struct worst *worst, uint32_t i)
                fmax(sqrt(seeds->area / (double)seeds->n), seeds->last_fit[i].surface.spacing);
 }
 
-/* Whether point i may move. */
-static int is_movable(const struct worst *worst, uint32_t i)
-{
-    return i + worst->fixed < worst->seeds->n && vor_complex_surrounds(worst->complex, i);
-}
-
 static struct kept keep(const struct worst *worst, uint32_t i)
 {
     struct kept kept = {.near = worst->sheet->near[i], .fit = worst->seeds->last_fit[i]};
@@ -163,10 +198,12 @@ static void search(const struct worst *worst, uint32_t i, const struct vor_surfa
     struct vor_seeds *seeds = worst->seeds;
     float *at = &seeds->xyz[3 * (size_t)i];
     double axis[3][3], normal[VOR_AROUND_MOST][3] = {{0}}, best, length;
+    struct fan fan;
 
     length = normals_of(worst, i, normal);
     vor_relax_axes(axis, worst->complex, seeds->xyz, i);
-    best = badness_around(worst, i, INFINITY);
+    find_fan(&fan, worst, i);
+    best = badness_from(&fan, at, INFINITY);
     for (int part = 1; part <= SMALLEST_PART && best > 0; part *= 2) {
         double step = VOR_RELAX_STEP_MAX * length / part;
         float from[3];
@@ -184,7 +221,7 @@ static void search(const struct worst *worst, uint32_t i, const struct vor_surfa
                     x[c] = (double)from[c] + step * (u * axis[0][c] + v * axis[1][c]);
                 vor_surface_put(surface, x);
                 vor_to_floats(at, x);
-                here = badness_around(worst, i, best);
+                here = badness_from(&fan, at, best);
                 if (here < best && !has_turned(worst, i, normal))
                     best = here;
                 else
@@ -203,8 +240,7 @@ static void move(struct worst *worst, uint32_t i, unsigned worker)
     int hung = hangs(worst, i);
     double bad;
 
-    if (!is_movable(worst, i) ||
-        vor_seeds_recall(seeds, scratch, i, worst->how) == VOR_SURFACE_NONE)
+    if (!worst->movable[i] || vor_seeds_recall(seeds, scratch, i, worst->how) == VOR_SURFACE_NONE)
         return;
     bad = badness_around(worst, i, INFINITY);
     search(worst, i, &scratch->onto);
@@ -226,8 +262,7 @@ static void nudge(struct worst *worst, uint32_t i, unsigned worker)
     struct vor_relax_pull pull = {.triangles = 0};
     struct vor_frame frame;
 
-    if (!is_movable(worst, i) ||
-        vor_seeds_recall(seeds, scratch, i, worst->how) == VOR_SURFACE_NONE)
+    if (!worst->movable[i] || vor_seeds_recall(seeds, scratch, i, worst->how) == VOR_SURFACE_NONE)
         return;
     (void)normals_of(worst, i, normal);
     vor_relax_axes(frame.axis, complex, seeds->xyz, i);
@@ -446,17 +481,18 @@ vor_status vor_worst_improve(struct vor_complex *complex, struct vor_sheet *shee
 {
     struct vor_memory *memory = seeds->run.memory;
     struct worst worst = {complex, sheet, seeds, fixed, how, .err = err};
-    vor_status status = VOR_OK;
+    vor_status status;
 
     worst.left = seeds->n;
-    worst.tried = vor_calloc(memory, seeds->n, 1);
-    worst.bad = vor_malloc(memory, complex->count + 1, sizeof *worst.bad);
-    if (worst.bad == NULL || worst.tried == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
+    status = VOR_MAKE_ALL(memory, err, seeds->n, VOR_ARRAY(worst.movable, seeds->n, 1),
+                          VOR_ZEROED(worst.tried, seeds->n, 1),
+                          VOR_ARRAY(worst.bad, complex->count + 1, 1));
+    for (uint32_t i = 0; i < seeds->n && status == VOR_OK; i++)
+        worst.movable[i] = i + fixed < seeds->n && vor_complex_surrounds(complex, i);
     if (status == VOR_OK)
         status = vor_run_for(&seeds->run, 1, 1, improve_on_one, &worst, err);
     if (status == VOR_OK)
         status = worst.status;
-    VOR_FREE_ALL(memory, worst.bad, worst.tried);
+    VOR_FREE_ALL(memory, worst.bad, worst.tried, worst.movable);
     return status;
 }

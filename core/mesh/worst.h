@@ -28,7 +28,7 @@
  *  @param[in]     fixed  that many of the last ones stay
  *  @param[in]     how    last fits are used again, finer ones where it says so
  *
- *  @retval VOR_E_NOMEM  16 bytes a triangle and 1 a point do not fit
+ *  @retval VOR_E_NOMEM  16 bytes a triangle and 2 a point do not fit
  *  @retval VOR_E_CANCELLED
  *
  *  O(n), and up to 5 ms a triangle that stays bad, on one thread. No more flips are tried than
