@@ -18,6 +18,10 @@
  *  Measured on 200,000 points of armadillo to 10,000 by curvature, none / 3 / 5: largest and mean
  *  geometric error (metrics/mls_error.h) over those of an even spread 0.75 / 0.72 / 0.64 and 0.91 /
  *  1.00 / 0.99.
+ *  The mean cannot fall far: of the even spread's, the flattest fifth of the surface still has 0.46
+ *  times the mean, the most bent one 2.1 times, and were errors as the square of spacings, the best
+ *  spread would have 0.93 and the three lists of five 1.37, 1.00 and 0.95. The second list, by
+ *  contrast=1.875, has 0.79 and 0.93.
  *
  *  Departure: the paper takes densities as they are. Those of curvature span six decades, and no
  *  spacing can follow that: the largest spacing is at most `contrast` times the smallest one, and

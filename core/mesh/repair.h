@@ -21,7 +21,17 @@
  *  crystallography"), 196 cells without six sides of 5,072. Measured (eta, delta, of those cells;
  *  cvt, default polish, mean of three seeds): sphere 161, .0051, .0154; with polish=400 170, .0044,
  *  .0143; the icosahedral lattice after 150 Lloyd steps 12, .0046, .0306. Seeds that start
- *  from coarse to fine have no more of the cells that cost: before they did, 469 on the sphere. */
+ *  from coarse to fine have no more of the cells that cost: before they did, 469 on the sphere.
+ *
+ *  For the same reason a repair leaves most of them. On a torus without disclinations, rows along
+ *  the tube's meridians that keep their distance begin and end at 8 pi r / a dislocations, which
+ *  for radii 1 and r = .4 and 10,000 points are 235; in the ground state fivefold disclinations
+ *  outside and sevenfold ones inside take the place of some (Giomi and Bowick 2008, "Elastic theory
+ *  of defects in toroidal crystals"). Longer polish does not remove them either. Points without six
+ *  triangles, and eta, at polish=120 / 400 / 1500: sphere 144, .0047 / 142, .0045 / 144, .0045,
+ *  repaired 136, .0040 / 138, .0038 / 136, .0038; torus to 10,000 268, .0051 / 271, .0048 / 270,
+ *  .0048, repaired 224, .0045 / 236, .0042 / 228, .0041; igea to 20,000 586, .0071 / 572, .0066 /
+ *  550, .0062, repaired 482, .0067 / 500, .0064 / 486, .0059. */
 #ifndef VOR_MESH_REPAIR_H
 #define VOR_MESH_REPAIR_H
 
