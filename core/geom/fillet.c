@@ -15,10 +15,6 @@ enum {
 
 /* Largest radius, in reaches: beyond it a fit sees no edge. */
 #define WIDEST 3.0
-/* Share that is added to the diagonal: parameters that the points say nothing of stay. */
-#define DAMP 1e-4
-/* Share of the sum of squares that a step must take. */
-#define ENOUGH 1e-3
 
 /* Points in the frame of a fillet. */
 struct points {
@@ -120,15 +116,16 @@ static double improve(struct vor_fillet *fillet, const struct points *points, do
 
         now = sum_up(a, b, fillet, points);
         for (int x = 0; x < PARAMETERS; x++)
-            a[PARAMETERS * x + x] += DAMP * a[PARAMETERS * x + x] + VOR_ROUNDED2;
+            /* parameters that the points say nothing of stay */
+            a[PARAMETERS * x + x] += VOR_NEGLIGIBLE * a[PARAMETERS * x + x] + VOR_ROUNDED2;
         if (vor_solve_spd(a, b, PARAMETERS, VOR_ROUNDED2) == 0)
             break;
         add(&tried, b, WIDEST * reach);
         next = sum_up(NULL, NULL, &tried, points);
-        if (!(next < now) || 1 - tried.cosine * tried.cosine < VOR_FILLET_PARALLEL2)
+        if (!(next < now) || 1 - tried.cosine * tried.cosine < VOR_NEGLIGIBLE)
             break;
         *fillet = tried;
-        if (next > now * (1 - ENOUGH))
+        if (next > now * (1 - VOR_NEGLIGIBLE))
             return next;
         now = next;
     }

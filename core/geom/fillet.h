@@ -16,9 +16,6 @@ enum { VOR_FILLET_SIDE_TERMS = 4, VOR_FILLET_TERMS = 2 * VOR_FILLET_SIDE_TERMS +
 /** Fewest points that one is fitted to. */
 #define VOR_FILLET_MIN (2 * VOR_FILLET_TERMS)
 
-/** Square of the sine between sides that do not meet: 2 degrees. */
-#define VOR_FILLET_PARALLEL2 1e-3
-
 /** A rounded wedge. Lengths are in the unit of the points. */
 struct vor_fillet {
     double origin[3], axis[3][3]; /**< rows: along the edge, across it, and up, outwards */

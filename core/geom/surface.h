@@ -58,10 +58,12 @@ struct vor_surface {
  *  thirtieth 2e-7. */
 enum { VOR_SURFACE_PROJECTIONS = 3 };
 
-/** Smallest relative pivot of a quadric: below it the points determine a plane at most. At 1e-4 /
- * 1e-3 / 1e-2: points on planes on kitti 8 / 78 / 409 of 3,000, its delta 0.24 / 0.24 / 0.22; igea,
- * fandisk and bunny stay within the spread. */
-#define VOR_QUADRIC_RANK 1e-3
+/** A share that counts as nothing: of a pivot, below which points determine a plane at most; added
+ * to the diagonals of sums, so that what the points do not show stays; of a sum of squares, a
+ * number or a gap that a step changes, after which none follows; squared, the sine between planes
+ * that do not meet. Of pivots at 1e-4 / 1e-3 / 1e-2: points on planes on kitti 8 / 78 / 409 of
+ * 3,000, its delta 0.24 / 0.24 / 0.22; igea, fandisk and bunny stay within the spread. */
+#define VOR_NEGLIGIBLE 1e-3
 
 /** Times less variance that a fit to fewer neighbours must have to replace the wide one, and times
  *  whose variance it may move x, squared. At 1 / 2 / 4: igea 4.8e-4 / 5.0e-4 / 5.3e-4, fandisk
@@ -74,7 +76,8 @@ enum { VOR_SURFACE_PROJECTIONS = 3 };
  *  which they fill space. Points at random in a cube have 0.18 to 0.37 (98 %), those at the crease
  *  of two planes or the corner of three up to 0.15. At 0.085 / 0.17 / 0.34, figures as of
  *  outliers.c: 2.1, 692 and 479 / 2.1, 318 and 349 / 616, 285 and 306; at 0.19 strays between two
- *  close bodies stay. */
+ *  close bodies stay. A neighbourhood that is thicker shows no edge either: at 0.1 / 0.2 / 0.4
+ *  fandisk 6.2e-4 / 5.7e-4 / 5.8e-4, igea 5.2e-4 / 5.0e-4 / 5.0e-4, figures as of surface.c. */
 #define VOR_SURFACE_THICK 0.17
 
 /** Most points that a surface is fitted to: arrays on the stack have that size. The parameter

@@ -13,12 +13,11 @@ enum {
 
 /* Distance beyond which a block counts as one, over its radius. */
 #define FAR 3.0
-/* What turning a part has to gain, over the product of its share of the area and that of the rest,
- */
+/* What turning a part has to gain, over the product of its share of the area and that of the rest;
+ * and VOR_SURE times that and the fourth power of the support. Faces of a wedge and a tetrahedron
+ * that all edges hold on the wrong side gain 0.53 and more; small patches that are right, among
+ * noise, up to 0.4. */
 #define GAIN 0.15
-/* and times the fourth power of the support. Faces of a wedge and a tetrahedron that all edges hold
- * on the wrong side gain 0.53 and more; small patches that are right, among noise, up to 0.4. */
-#define GAIN_SURE 0.45
 
 /* Points of one piece that lie together. */
 struct block {
@@ -215,7 +214,7 @@ static int turn_best(uint64_t *turned, struct vor_winding_found *found,
         for (unsigned p = 0; p < PIECES; p++)
             share += pieces >> p & 1 ? winding->area[p] : 0;
         /* What turning them has to gain, for it to be done against the edges. */
-        least = share * (1 - share) * fmax(GAIN, GAIN_SURE * vor_power(support, 4));
+        least = GAIN * share * (1 - share) * fmax(1, VOR_SURE * vor_power(support, 4));
         if (pieces == 0 || least <= 0)
             continue;
         now = found_with(winding, *turned ^ pieces);

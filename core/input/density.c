@@ -25,13 +25,10 @@ enum {
 };
 
 /* Points of the field for each one of the result; more where fits take more neighbours than the
- * fewest. At 2.5 / 5 and as many rounds of smoothing by area, armadillo as above: delta 0.0223 /
- * 0.0216, slope -0.243 / -0.242, CPU over that of an even spread 1.23 / 1.45. */
-#define FIELD_EACH 2.5
-/* Curvatures for each point of the result, at least, where only some are taken. */
-#define CURVED_EACH 1.5
-/* Share of the number of points that the field may be off by. */
-#define FITS 1e-3
+ * fewest; and curvatures, at least, where only some are taken. At 2.5 / 5 and as many rounds of
+ * smoothing by area, armadillo as above: delta 0.0223 / 0.0216, slope -0.243 / -0.242, CPU over
+ * that of an even spread 1.23 / 1.45. */
+#define EACH 2.0
 
 static int is_none(const void *attribute, size_t i)
 {
@@ -343,7 +340,7 @@ static vor_status fit_values(struct work *work, const struct vor_grading *gradin
         if (status != VOR_OK)
             return status;
         over = asked(work);
-        if (fabs(over - 1) <= FITS || vor_run_is_late(run))
+        if (fabs(over - 1) <= VOR_NEGLIGIBLE || vor_run_is_late(run))
             break;
         scale *= sqrt(over);
     }
@@ -486,12 +483,12 @@ vor_status vor_density_make(struct vor_domain *domain, const struct vor_cloud *i
 
     if (spec->value[VOR_PARAM_DENSITY] == VOR_DENSITY_UNIFORM)
         return VOR_OK;
-    status = vor_curved_init(&curved, domain, n, FIELD_EACH, run, err);
+    status = vor_curved_init(&curved, domain, n, EACH, run, err);
     if (status != VOR_OK)
         return status;
     field.even = curved.even;
     field.n = curved.domain->n;
-    work.step = (unsigned)fmin(fmax((double)field.n / (CURVED_EACH * (double)n), 1), STEP_MOST);
+    work.step = (unsigned)fmin(fmax((double)field.n / (EACH * (double)n), 1), STEP_MOST);
     status = choose(&work, in, spec, run, err);
     VOR_THEN(status, fill(&work, spec, run, err));
     vor_free(run->memory, work.on_edge);

@@ -26,7 +26,7 @@
  *  Departure: the paper takes densities as they are. Those of curvature span six decades, and no
  *  spacing can follow that: the largest spacing is at most `contrast` times the smallest one, and
  *  from one place to another it changes by at most `grading` times their distance.
- *  Departure: the field has 1.5 to 5 points for each one of the result: a dense input is thinned
+ *  Departure: the field has about two points for each one of the result: a dense input is thinned
  *  for it. A finer one would show what the result cannot follow. */
 #ifndef VOR_INPUT_DENSITY_H
 #define VOR_INPUT_DENSITY_H

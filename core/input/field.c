@@ -1,10 +1,8 @@
 #include "core/input/field.h"
 
-#include <string.h>
+#include "core/geom/surface.h"
 
-/* Of the sum of the squares: keeps the slope across the surface, which the points do not show, at
- * 0. */
-#define RIDGE 1e-3
+#include <string.h>
 
 /* Weighted sums of the points around a place. */
 struct fit {
@@ -49,7 +47,8 @@ static void find_slope(double slope[3], const struct fit *fit, const struct vor_
                 a[3 * c + e] += fit->weight[j] * d[c] * d[e];
         }
     }
-    ridge = RIDGE * (a[0] + a[4] + a[8]);
+    /* keeps the slope across the surface, which the points do not show, at 0 */
+    ridge = VOR_NEGLIGIBLE * (a[0] + a[4] + a[8]);
     for (int c = 0; c < 3; c++)
         a[4 * c] += ridge;
     if (!(vor_solve_spd(a, slope, 3, 0) > 0))

@@ -167,7 +167,7 @@ static void to_quadric(struct hood *hood, double r, double slab)
         struct sums sums;
 
         sum(&sums, height, hood, r, slab);
-        if (!(vor_solve_spd(sums.a, sums.c, TERMS, VOR_QUADRIC_RANK) > 0))
+        if (!(vor_solve_spd(sums.a, sums.c, TERMS, VOR_NEGLIGIBLE) > 0))
             break;
         memcpy(height, sums.c, sizeof height);
     }

@@ -184,7 +184,7 @@ static int meet(float x[3], double along[3], double *cosine, const struct vor_lo
     rest = 1 - *cosine * *cosine;
     vor_cross(along, n[0], n[1]);
     length = sqrt(vor_dot(along, along));
-    if (!(rest > VOR_FILLET_PARALLEL2))
+    if (!(rest > VOR_NEGLIGIBLE))
         return 0;
     for (int c = 0; c < 3; c++) {
         x[c] = (float)((double)x[c] + ((off[0] - *cosine * off[1]) * n[0][c] +

@@ -55,7 +55,7 @@ vor_status vor_lop_strays_drop(struct vor_lop_samples *samples, struct vor_error
     if (status == VOR_OK) {
         memcpy(sorted, far, n * sizeof *far);
         vor_sort_floats(sorted, n);
-        keep_near(samples, far, VOR_LOP_STRAY * vor_quantile(sorted, n, 0.5));
+        keep_near(samples, far, M_SQRT2 * vor_quantile(sorted, n, 0.5));
     }
     vor_free(samples->memory, far);
     return status;

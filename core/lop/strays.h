@@ -7,12 +7,11 @@
 
 #include "core/lop/samples.h"
 
-/** Neighbour whose distance tells a stray, and how many times the median it then is: at a border
+/** Neighbour whose distance tells a stray, once its square is twice that of the median: at a border
  * too an even spread has four as near as anywhere. fandisk, 163,000 points with noise of up to 2 %
- * of the diagonal and outliers (tests/by_hand/bench/ear_clouds.py), to 40,000: at 1.42 / 1.6 / all
- * stay, 0 / 1 / 29 points farther off than the noise. */
+ * of the diagonal and outliers (tests/by_hand/bench/ear_clouds.py), to 40,000: at 1.42 / 1.6 times
+ * the median / all stay, 0 / 1 / 29 points farther off than the noise. */
 enum { VOR_LOP_STRAY_OF = 4 };
-#define VOR_LOP_STRAY 1.42
 
 /** Drops the strays; the others keep their order. At least half of the samples stay.
  *

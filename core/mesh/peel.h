@@ -2,11 +2,12 @@
 #ifndef VOR_MESH_PEEL_H
 #define VOR_MESH_PEEL_H
 
+#include "core/geom/patch.h"
 #include "core/mesh/complex.h"
 
 /** Cosine of 150 degrees: of the angle of a triangle over an open edge from which on the border
  * runs along its other two. */
-#define VOR_PEEL_BLUNT (-0.866)
+#define VOR_PEEL_BLUNT (-VOR_HEXAGON_HEIGHT)
 
 /** Takes away all triangles at points of open edges, and all but the largest fan of each point.
  *

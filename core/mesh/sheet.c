@@ -1,16 +1,17 @@
 #include "core/mesh/sheet.h"
 
 #include "core/base/linalg.h"
+#include "core/geom/patch.h"
 #include "core/input/adjacency.h"
 #include "core/input/lists.h"
 #include "core/mesh/quality.h"
 
 #include <string.h>
 
-/* Sine of the steepest offset between two seeds over the tangent planes of both: what is steeper
- * over either lies on the other face of a thin part. Over a crease the one is as steep as the other
- * is flat. */
-#define STEEP 0.87
+/* Sine of the steepest offset between two seeds over the tangent planes of both, 60 degrees: what
+ * is steeper over either lies on the other face of a thin part. Over a crease the one is as steep
+ * as the other is flat. */
+#define STEEP VOR_HEXAGON_HEIGHT
 
 /* On one surface, bent or creased between two seeds, their normals turn by as much as the offset is
  * steep over both tangent planes, as on a circle. On two parallel sheets they do not turn at all.
