@@ -1,6 +1,7 @@
 #include "core/align/align.h"
 
 #include "core/align/fit.h"
+#include "core/geom/surface.h"
 #include "core/input/splats.h"
 
 #include <math.h>
@@ -15,20 +16,11 @@ enum {
     STEPS_TOLD = 4
 };
 
-/* How far samples of the reference reach, over the distance between the few. */
-#define REACH 1.2
-
 /* Poses that put a cloud nearer than this to where the other one puts it are one, over the unit. */
 #define ALIKE 0.1
 
-/* Samples that lie on the other cloud are within this share of the gap, and within as many medians
- * of their distances in the best poses. */
-#define WITHIN_MOST 0.5
+/* Least share of the gap within which samples lie on the other cloud. Half of it is the most. */
 #define WITHIN_LEAST 0.15
-#define WITHIN_MEDIANS 6.0
-
-/* A rival that overlaps by as much of the best pose's overlap counts whole. */
-#define RIVAL 0.5
 
 /* Where a pose loses half of its score. Right poses of scans, bodies and parts of them: hover at
  * most 0.04, mostly below 0.01; wrong ones 0.1 to 0.6 but for those that nothing contradicts. */
@@ -40,12 +32,11 @@ enum {
  * ones of kitti 1.4 to 10. Firmness: right poses 0.0048 and more but for 2 of 24 of kitti, spheres,
  * tori and cylinders at most 0.0005. Wrong poses of thin plates have 0.0041 and 0.0051 where little
  * else contradicts them: what is weakly held has to agree the better. */
-#define MARGIN 0.2
 #define HOVER 0.07
 #define BESIDE 0.33
 #define LOOSE 1.8
 #define FIRM 0.004
-#define OVERLAP 0.1
+#define OVERLAP 0.1 /* and of the lead over the rival */
 
 /* Poses that parts of the evidence lead to, apart: a degree, as angle and over the unit. Halves of
  * the points, which are twice as far apart as the pose of all is from the right one, and the
@@ -198,25 +189,26 @@ static vor_status run_step(struct align *align, vor_row_task task, unsigned ever
     return tell_step(align, err);
 }
 
-/* Narrows what counts as lying on the other cloud to what the good poses have. */
+/* Narrows what counts as lying on the other cloud to VOR_SURE medians of what the good poses have.
+ */
 static void narrow(struct align *align)
 {
     double gap = align->samples[1].gap, within = align->within;
 
     for (unsigned i = 0; i < align->count; i++)
         if (2 * align->fit[i].score > align->fit[0].score)
-            within = fmin(within, WITHIN_MEDIANS * align->fit[i].median);
+            within = fmin(within, VOR_SURE * align->fit[i].median);
     align->within = fmax(within, WITHIN_LEAST * gap);
 }
 
 /* How much a pose speaks against the best one, 0 to 1: as far as as little speaks against it, even
- * if it overlaps less. Halves of a body that is nearly its own image when it is turned lie on each
- * other wholly in a wrong pose, and by half in the right one. */
+ * if it overlaps by half of it. Halves of a body that is nearly its own image when it is turned lie
+ * on each other wholly in a wrong pose, and by half in the right one. */
 static double rival(const struct vor_align_fit *fit, const struct vor_align_fit *best)
 {
     if (!(best->score > 0))
         return 1;
-    return fmin(1, plausible(fit) / plausible(best) * fmin(1, fit->on / (RIVAL * best->on)));
+    return fmin(1, plausible(fit) / plausible(best) * fmin(1, 2 * fit->on / best->on));
 }
 
 /* Makes the second one the pose that speaks most against the first. */
@@ -242,7 +234,7 @@ static vor_status find_poses(struct align *align, const struct vor_run *run, str
     struct vor_align_samples *samples = align->samples;
     int both = !(samples[0].carried && samples[1].carried);
     vor_status status = vor_align_grid_make(&align->grid, &samples[1],
-                                            REACH * fmax(samples[0].apart, samples[1].apart), err);
+                                            fmax(samples[0].apart, samples[1].apart), err);
 
     if (status == VOR_OK)
         status = tell_step(align, err);
@@ -252,7 +244,7 @@ static vor_status find_poses(struct align *align, const struct vor_run *run, str
     align->within = samples[1].gap;
     if (status == VOR_OK)
         status = run_step(align, refine_few, 4, MIDDLING, run, err);
-    align->within *= WITHIN_MOST;
+    align->within /= 2;
     if (status == VOR_OK)
         status = run_step(align, refine, 3, LAST, run, err);
     if (status == VOR_OK)
@@ -308,7 +300,7 @@ static void set_trust(struct vor_report *report, const struct align *align)
                  {VOR_DOUBT_CONFLICT, 1 / (1 + vor_power(fit->loose / LOOSE, 4))},
                  {VOR_DOUBT_CONFLICT, 1 / (1 + vor_power(fit->beside / BESIDE, 4))},
                  {VOR_DOUBT_OVERLAP, overlap / (overlap + OVERLAP)},
-                 {VOR_DOUBT_POSE, margin / (margin + MARGIN)}};
+                 {VOR_DOUBT_POSE, margin / (margin + OVERLAP)}};
 
     report->pose_trust = 1;
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)

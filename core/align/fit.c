@@ -1,5 +1,7 @@
 #include "core/align/fit.h"
 
+#include "core/geom/surface.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -17,33 +19,22 @@ enum {
  * farther than this many reaches from a point is not on its plane. */
 #define BESIDE 1.6
 
-/* Least that a pose is held in every direction while it is fitted, so that it stays where it is
- * free. */
-#define HELD 1e-4
-
 /* Mean square by which offsets must change with the scale for it to be fitted: it is kept on a
  * plane. */
 #define GROWS 0.01
 
-/* Cosine of planes whose distance is that of surfaces. */
-#define PARALLEL 0.9
-
 /* Offsets that count in the next step, over the median of this one. The first steps take points as
- * many gaps or reaches from the reference, those by points one reach less after as many steps. */
-#define WIDEST 3.0
+ * many gaps or reaches from the reference, those by points one reach less after as many steps. As
+ * many reaches away, seen along the normal, nothing hovers. */
+#define WIDEST VOR_SURE
 
-/* A point lies on a plane within so many times the noise of either cloud, or this share of how far
+/* A point lies on a plane within VOR_SURE times the noise of either cloud, or this share of how far
  * the plane reaches. It hovers if it is nearer the point than the plane reaches, seen along the
- * normal, and within so many reaches. */
-#define NOISES 4.0
+ * normal. */
 #define THICK 0.15
-#define HIGHEST 6.0
 
 /* Noise at least, over how far planes reach. */
 #define EXACT 0.015
-
-/* Steps end once no point moves by this much of a gap. */
-#define STILL 1e-3
 
 /* A sample of the cloud on a plane of the reference. */
 struct contact {
@@ -125,8 +116,8 @@ static double step(struct vor_pose *pose, struct equations *eq, int scales)
 
     if (!(eq->weight > 0))
         return 0;
-    for (int i = 0; i < n; i++)
-        eq->a[i * n + i] += HELD * eq->weight;
+    for (int i = 0; i < n; i++) /* so that the pose stays where it is free */
+        eq->a[i * n + i] += VOR_NEGLIGIBLE * eq->weight;
     if (scales && eq->a[UNKNOWNS * UNKNOWNS - 1] < GROWS * eq->weight)
         eq->a[UNKNOWNS * UNKNOWNS - 1] += eq->weight;
     if (!(vor_solve_spd(eq->a, eq->b, n, 1e-12) > 0))
@@ -251,7 +242,7 @@ void vor_align_refine(struct vor_align_fit *fit, const struct vor_align_fit_of *
 {
     double gap = of->reference->gap, within = WIDEST * gap, moved = INFINITY;
 
-    for (int k = 0; k < STEPS && moved > STILL * gap; k++) {
+    for (int k = 0; k < STEPS && moved > VOR_NEGLIGIBLE * gap; k++) {
         struct equations eq = {.weight = 0};
 
         within = fmax(0.25 * gap, add_all(&eq, fit, of, within));
@@ -317,7 +308,7 @@ static double firmness(double direction[3], const double m[6][6], int at)
 
         for (int r = 0; r < 3; r++) {
             for (int s = 0; s < 3; s++)
-                a[3 * r + s] = m[other + r][other + s] + (r == s ? HELD : 0);
+                a[3 * r + s] = m[other + r][other + s] + (r == s ? VOR_NEGLIGIBLE : 0);
             follow[c][r] = m[other + r][at + c];
         }
         (void)vor_solve_spd(a, follow[c], 3, 1e-12);
@@ -370,7 +361,7 @@ static void find_free(struct vor_align_fit *fit, const struct vor_align_fit_of *
 
         memcpy(follow, along, sizeof follow);
         for (int i = 0; i < 36; i++)
-            a[i] = m[i / 6][i % 6] + (i / 6 == i % 6 ? HELD : 0);
+            a[i] = m[i / 6][i % 6] + (i / 6 == i % 6 ? VOR_NEGLIGIBLE : 0);
         if (vor_solve_spd(a, follow, 6, 1e-12) > 0)
             for (int i = 0; i < 6; i++)
                 fit->grow -= follow[i] * along[i];
@@ -496,7 +487,7 @@ void vor_align_settle(struct vor_pose *pose, const struct vor_align_fit_of *of)
         struct equations eq = {.weight = 0};
 
         within = add_points(&eq, pose, of, within, fmax(1, WIDEST - k / WIDEST));
-        within = fmax(STILL * reach, fmin(WIDEST * reach, within));
+        within = fmax(VOR_NEGLIGIBLE * reach, fmin(WIDEST * reach, within));
         (void)step(pose, &eq, of->scales);
     }
 }
@@ -524,7 +515,8 @@ static double loose(const struct found *found, double reach)
 static int lies_on(const struct meeting *met, const struct vor_align_plane *plane, double rough,
                    double d2)
 {
-    double within = fmax(NOISES * fmax(rough, (double)plane->rough), THICK * (double)plane->reach);
+    double within =
+        fmax(VOR_SURE * fmax(rough, (double)plane->rough), THICK * (double)plane->reach);
 
     return met->cosine > VOR_ALIGN_ALIKE && fabs(met->off) < within &&
            is_within(d2, BESIDE, (double)plane->reach);
@@ -555,7 +547,7 @@ static void weigh_side(struct found *found, const struct vor_align_points *from,
             met = meet(&point, onto, at[k]);
             lies = lies_on(&met, plane, from->rough * pose->scale, (double)d2[k]);
             on |= lies;
-            if (k == 0 && lies && met.cosine > PARALLEL) {
+            if (k == 0 && lies) {
                 tell(&found->off, fabs(met.off));
                 tell(&found->own[0], point.off);
                 tell(&found->own[1], (double)plane->off);
@@ -566,7 +558,7 @@ static void weigh_side(struct found *found, const struct vor_align_points *from,
         found->on += on != 0;
         found->near += is_within((double)d2[0], BESIDE, fmax(reach, point.reach)) != 0;
         found->hover += !on && !plane->border && is_within(met.beside2, 1, reach) &&
-                        fabs(met.off) < HIGHEST * onto->reach;
+                        fabs(met.off) < WIDEST * onto->reach;
     }
 }
 

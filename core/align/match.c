@@ -22,16 +22,13 @@ enum {
 /* Pairs nearer than so many distances between the few have no direction of their own. */
 #define SHORTEST 3.0
 
-/* Cells for each reach of a grid. */
-#define CELLS 2.5
-
 /* Least length of the sum of a pair's normals, seen across the pair, for it to say how it lies. */
 #define SLANT 0.1
 
 /* Poses nearer than this are one: 1 - cos of 20 degrees. */
 #define TURNED 0.06
 
-/* Chooses cells around the samples: a few for each reach, but not too many. Returns how many. */
+/* Chooses cells around the samples: two for each reach, but not too many. Returns how many. */
 static size_t choose_cells(struct vor_align_grid *grid)
 {
     double high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -45,7 +42,7 @@ static size_t choose_cells(struct vor_align_grid *grid)
         grid->low[i % 3] = fmin(grid->low[i % 3], x - grid->reach);
         high[i % 3] = fmax(high[i % 3], x + grid->reach);
     }
-    grid->edge = grid->reach / CELLS / 2;
+    grid->edge = grid->reach / 4;
     while (cells > CELLS_MAX) {
         grid->edge *= 2;
         cells = 1;

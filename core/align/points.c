@@ -13,10 +13,6 @@ enum {
     BLOCK = 256  /* points of a task */
 };
 
-/* Widest angle without neighbours, as seen from a point that is not at a border: quarters of a
- * turn, 108 degrees. */
-#define OPEN 1.2
-
 /* About the angle of a vector in a plane, in quarters of a turn: exact at whole ones. */
 static double quarters(double x, double y)
 {
@@ -67,7 +63,8 @@ static void lay_plane(void *ctx, size_t i, VOR_UNUSED unsigned worker)
     vor_eigen3(values, axes, square);
     plane->rough = (float)sqrt(fmax(values[0], 0));
     plane->off = (float)fabs(vor_dot(mean, axes[0]));
-    plane->border = widest((const double(*)[3])d, (const double(*)[3])axes) > OPEN;
+    /* a third of a turn without neighbours */
+    plane->border = widest((const double(*)[3])d, (const double(*)[3])axes) > 4.0 / 3;
     for (int c = 0; c < 3; c++) {
         plane->middle[c] = (float)((double)x[c] + mean[c]);
         plane->normal[c] = (float)axes[0][c];

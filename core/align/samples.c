@@ -19,9 +19,6 @@ enum {
     POLL_EVERY = 1 << 16 /* points */
 };
 
-/* How much wider cubes become when there are too many. */
-#define WIDER 1.25
-
 static const char *const names[] = {"cloud", "reference"};
 
 /* Points in a cube. */
@@ -133,7 +130,7 @@ static vor_status make_both(struct side side[2], int fixed, const struct vor_run
             status = make_means(&side[k++], cubes, err);
             continue;
         }
-        side[k].edge *= WIDER;
+        side[k].edge *= M_SQRT2; /* half as many */
         if (fixed) {
             vor_cloud_free(&side[0].means);
             side[0].edge = side[1].edge = side[k].edge;
