@@ -94,7 +94,9 @@ static void find_row(void *ctx, size_t i, unsigned worker)
         vor_sheet_put_one(finding->sheet, finding->seeds, finding->how, scratch, i);
 }
 
-/* Takes the domain's graph, or makes one where fits look for layers without. */
+/* Takes the domain's graph, or makes one where fits look for layers without: of lists near second
+ * sheets, as nowhere else do lists pay there. Open edges of three closed bowls of 2,000 points,
+ * whose wall is 1.55 of their spacings thick: 27, 41, 82, with such lists 0, 0, 8. */
 static vor_status take_graph(struct vor_sheet *sheet, const struct vor_seeds *seeds,
                              const struct vor_run *run, struct vor_error *err)
 {
@@ -104,7 +106,11 @@ static vor_status take_graph(struct vor_sheet *sheet, const struct vor_seeds *se
     if (vor_graph_is(&domain->graph)) {
         sheet->graph = &domain->graph;
     } else if (seeds->sheets || domain->known.lists != VOR_LISTS_NONE) {
-        status = vor_adjacency_make(&sheet->own, domain, run, err);
+        struct vor_domain seen = *domain;
+
+        if (seen.known.lists == VOR_LISTS_NONE)
+            seen.known.lists = VOR_LISTS_FEW;
+        status = vor_adjacency_make(&sheet->own, &seen, run, err);
         sheet->graph = status == VOR_OK ? &sheet->own : NULL;
     }
     if (status != VOR_OK || sheet->graph == NULL)
