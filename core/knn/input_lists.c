@@ -1,5 +1,6 @@
 #include "core/knn/input_lists.h"
 
+#include "core/base/linalg.h"
 #include "core/base/stat.h"
 
 #include <assert.h>
@@ -282,7 +283,7 @@ uint32_t vor_input_lists_at(const struct vor_input_lists *lists, size_t i, const
     uint32_t point;
 
     for (unsigned j = 0; lists->reach[i] >= 0 && j < lists->has[i]; j++)
-        if (memcmp(&lists->reference[3 * (size_t)list[j]], at, sizeof at) == 0)
+        if (vor_distance2f(&lists->reference[3 * (size_t)list[j]], at) == 0)
             return list[j];
     vor_knn_search(lists->knn, at, 1, 1, &point, &distance2);
     return point;
