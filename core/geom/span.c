@@ -128,7 +128,7 @@ static vor_status run_levels(struct grow *grow, const struct vor_run *run, struc
         grow->size[i] = 1;
         grow->levels[i] = 0;
         for (unsigned a = 0; a < grow->graph->count[i]; a++)
-            grow->levels[i] |= 1ULL << grow->edge[i * grow->graph->most + a] % VOR_SPAN_TURNS;
+            grow->levels[i] |= 1ULL << grow->edge[i * grow->graph->most + a] % VOR_SPAN_LEVELS;
     }
     for (; grow->level < VOR_SPAN_LEVELS && status == VOR_OK; grow->level++)
         status = vor_run_for(run, 1, 1, join_level, grow, err);
