@@ -1,76 +1,24 @@
 #include "core/geom/boundary.h"
 
 #include "core/base/linalg.h"
-#include "core/base/vector.h"
 
 #include <string.h>
 
-enum { LANES = 4 };
-typedef float floats __attribute__((vector_size(4 * LANES)));
-typedef double lanes __attribute__((vector_size(8 * LANES)));
-typedef int64_t marks __attribute__((vector_size(8 * LANES)));
-
-/* Offsets of four points, one after the other, from x: x, y and z of all. */
-VOR_INLINE void offsets(lanes d[3], const float *near, const double x[3])
-{
-    floats a, b, c, u, v, w;
-
-    memcpy(&a, near, sizeof a);
-    memcpy(&b, near + LANES, sizeof b);
-    memcpy(&c, near + 2 * LANES, sizeof c);
-    u = __builtin_shufflevector(a, b, 0, 3, 6, 6);
-    v = __builtin_shufflevector(a, b, 1, 4, 7, 7);
-    w = __builtin_shufflevector(a, b, 2, 5, 5, 5);
-    u = __builtin_shufflevector(u, c, 0, 1, 2, 5);
-    v = __builtin_shufflevector(v, c, 0, 1, 2, 6);
-    w = __builtin_shufflevector(w, c, 0, 1, 4, 7);
-    d[0] = __builtin_convertvector(u, lanes) - x[0];
-    d[1] = __builtin_convertvector(v, lanes) - x[1];
-    d[2] = __builtin_convertvector(w, lanes) - x[2];
-}
-
-/* Offset of the point at `near` from x. */
-VOR_INLINE void offset(double d[3], const float *near, const double x[3])
-{
-    for (int c = 0; c < 3; c++)
-        d[c] = (double)near[c] - x[c];
-}
-
 /* Squared distance from x to the nearest of the points; *which is its index. */
-VOR_CLONES static double nearest2(const float *near, unsigned k, const double x[3], unsigned *which)
+static double nearest2(const float *near, unsigned k, const double x[3], unsigned *which)
 {
-    const lanes zero = {0};
-    lanes least = INFINITY - zero;
-    marks at = {0, 1, 2, 3}, found = {0};
-    double best = INFINITY, d[3];
-    int64_t first = 0;
-    unsigned i = 0;
+    double best = INFINITY;
 
-    for (; i + LANES <= k; i += LANES) {
-        lanes all[3], d2;
-        marks nearer;
+    for (unsigned i = 0; i < k; i++) {
+        double d[3] = {(double)near[3 * i] - x[0], (double)near[3 * i + 1] - x[1],
+                       (double)near[3 * i + 2] - x[2]};
+        double d2 = vor_dot(d, d);
 
-        offsets(all, &near[3 * i], x);
-        d2 = all[0] * all[0] + all[1] * all[1] + all[2] * all[2];
-        nearer = d2 < least;
-        least = (lanes)(((marks)d2 & nearer) | ((marks)least & ~nearer));
-        found = (nearer & at) | (~nearer & found);
-        at += LANES;
-    }
-    for (int j = 0; j < LANES; j++)
-        if (least[j] < best || (least[j] <= best && found[j] < first)) {
-            best = least[j];
-            first = found[j];
-        }
-    for (; i < k; i++) {
-        offset(d, &near[3 * i], x);
-        if (vor_dot(d, d) < best) {
-            best = vor_dot(d, d);
-            first = i;
+        if (d2 < best) {
+            best = d2;
+            *which = i;
         }
     }
-    if (best < INFINITY)
-        *which = (unsigned)first;
     return best;
 }
 
@@ -91,41 +39,22 @@ int vor_boundary_goes_on(const float *near, unsigned k, const double foot[3], co
     return 0;
 }
 
-/* Largest of the points' places along `way` from x. */
-VOR_CLONES static double farthest_along(const float *near, unsigned k, const double x[3],
-                                        const double way[3])
-{
-    const lanes zero = {0};
-    lanes most = zero - INFINITY;
-    double last = -INFINITY, d[3];
-    unsigned i = 0;
-
-    for (; i + LANES <= k; i += LANES) {
-        lanes all[3], along;
-        marks farther;
-
-        offsets(all, &near[3 * i], x);
-        along = way[0] * all[0] + way[1] * all[1] + way[2] * all[2];
-        farther = along > most;
-        most = (lanes)(((marks)along & farther) | ((marks)most & ~farther));
-    }
-    for (int j = 0; j < LANES; j++)
-        last = most[j] > last ? most[j] : last;
-    for (; i < k; i++) {
-        offset(d, &near[3 * i], x);
-        last = vor_dot(way, d) > last ? vor_dot(way, d) : last;
-    }
-    return last;
-}
-
 double vor_boundary_end(const struct vor_surface *frame, const double seed[3], const double side[2],
                         const float *near, unsigned k)
 {
-    double way[3];
+    double way[3], last = -INFINITY;
 
     for (int c = 0; c < 3; c++)
         way[c] = side[0] * frame->axis[0][c] + side[1] * frame->axis[1][c];
-    return farthest_along(near, k, frame->origin, way) - (side[0] * seed[0] + side[1] * seed[1]);
+    for (unsigned i = 0; i < k; i++) {
+        double d[3] = {(double)near[3 * i] - frame->origin[0],
+                       (double)near[3 * i + 1] - frame->origin[1],
+                       (double)near[3 * i + 2] - frame->origin[2]};
+        double along = vor_dot(way, d);
+
+        last = along > last ? along : last;
+    }
+    return last - (side[0] * seed[0] + side[1] * seed[1]);
 }
 
 /* The neighbours that say where the input ends: the nearest ones. The others of a fit to many reach
