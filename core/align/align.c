@@ -36,7 +36,8 @@ enum {
 #define BESIDE 0.33
 #define LOOSE 1.8
 #define FIRM 0.004
-#define OVERLAP 0.1 /* and of the lead over the rival */
+#define OVERLAP 0.1
+#define LEAD OVERLAP /* over the rival */
 
 /* Poses that parts of the evidence lead to, apart: a degree, as angle and over the unit. Halves of
  * the points, which are twice as far apart as the pose of all is from the right one, and the
@@ -300,7 +301,7 @@ static void set_trust(struct vor_report *report, const struct align *align)
                  {VOR_DOUBT_CONFLICT, 1 / (1 + vor_power(fit->loose / LOOSE, 4))},
                  {VOR_DOUBT_CONFLICT, 1 / (1 + vor_power(fit->beside / BESIDE, 4))},
                  {VOR_DOUBT_OVERLAP, overlap / (overlap + OVERLAP)},
-                 {VOR_DOUBT_POSE, margin / (margin + OVERLAP)}};
+                 {VOR_DOUBT_POSE, margin / (margin + LEAD)}};
 
     report->pose_trust = 1;
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)

@@ -24,14 +24,14 @@ enum {
 #define GROWS 0.01
 
 /* Offsets that count in the next step, over the median of this one. The first steps take points as
- * many gaps or reaches from the reference, those by points one reach less after as many steps. As
- * many reaches away, seen along the normal, nothing hovers. */
+ * many gaps or reaches from the reference, those by points one reach less after as many steps. */
 #define WIDEST VOR_SURE
 
 /* A point lies on a plane within VOR_SURE times the noise of either cloud, or this share of how far
  * the plane reaches. It hovers if it is nearer the point than the plane reaches, seen along the
- * normal. */
+ * normal, and within so many reaches. */
 #define THICK 0.15
+#define HIGHEST WIDEST
 
 /* Noise at least, over how far planes reach. */
 #define EXACT 0.015
@@ -558,7 +558,7 @@ static void weigh_side(struct found *found, const struct vor_align_points *from,
         found->on += on != 0;
         found->near += is_within((double)d2[0], BESIDE, fmax(reach, point.reach)) != 0;
         found->hover += !on && !plane->border && is_within(met.beside2, 1, reach) &&
-                        fabs(met.off) < WIDEST * onto->reach;
+                        fabs(met.off) < HIGHEST * onto->reach;
     }
 }
 

@@ -76,8 +76,7 @@ enum { VOR_SURFACE_PROJECTIONS = 3 };
  *  which they fill space. Points at random in a cube have 0.18 to 0.37 (98 %), those at the crease
  *  of two planes or the corner of three up to 0.15. At 0.085 / 0.17 / 0.34, figures as of
  *  outliers.c: 2.1, 692 and 479 / 2.1, 318 and 349 / 616, 285 and 306; at 0.19 strays between two
- *  close bodies stay. A neighbourhood that is thicker shows no edge either: at 0.1 / 0.2 / 0.4
- *  fandisk 6.2e-4 / 5.7e-4 / 5.8e-4, igea 5.2e-4 / 5.0e-4 / 5.0e-4, figures as of surface.c. */
+ *  close bodies stay. */
 #define VOR_SURFACE_THICK 0.17
 
 /** Most points that a surface is fitted to: arrays on the stack have that size. The parameter

@@ -47,12 +47,10 @@ struct ring {
     uint32_t point[RING_SIZE];
 };
 
-/* The triangles around a point, as it moves: their other corners, and how long the edge between
- * those is, squared. */
+/* The triangles around a point, as it moves: each is the point, then its other corners. */
 struct fan {
     unsigned n;
-    float corner[VOR_AROUND_MOST][2][3];
-    double across[VOR_AROUND_MOST];
+    float corner[VOR_AROUND_MOST][9];
 };
 
 struct worst {
@@ -80,24 +78,6 @@ static int worse_first(const void *a, const void *b)
     return x->triangle < y->triangle ? -1 : x->triangle > y->triangle;
 }
 
-/* How bad the triangles around point i are: eighth powers of how far their strains are above 1, in
- * sum; where that is not less than `enough`, at least so much. */
-static double badness_around(const struct worst *worst, uint32_t i, double enough)
-{
-    const struct vor_complex *complex = worst->complex;
-    double sum = 0;
-
-    for (unsigned t = 0; t < complex->degree[i] && sum < enough; t++) {
-        uint32_t at = complex->around[(size_t)i * VOR_AROUND_MOST + t];
-        double over =
-            vor_triangle_strain(worst->seeds->xyz, &complex->triangle[3 * (size_t)at]) - 1;
-
-        over *= over * over * over;
-        sum += over * over;
-    }
-    return sum;
-}
-
 static void find_fan(struct fan *fan, const struct worst *worst, uint32_t i)
 {
     const struct vor_complex *complex = worst->complex;
@@ -107,27 +87,35 @@ static void find_fan(struct fan *fan, const struct worst *worst, uint32_t i)
         uint32_t other[2];
 
         vor_complex_others(complex, complex->around[(size_t)i * VOR_AROUND_MOST + t], i, other);
-        for (int e = 0; e < 2; e++)
-            memcpy(fan->corner[t][e], &worst->seeds->xyz[3 * (size_t)other[e]],
-                   sizeof fan->corner[t][e]);
-        fan->across[t] = vor_distance2f(fan->corner[t][0], fan->corner[t][1]);
+        vor_gather(&fan->corner[t][3], worst->seeds->xyz, other, 2);
     }
 }
 
-/* As badness_around, with the point at x. */
-static double badness_from(const struct fan *fan, const float x[3], double enough)
+/* How bad they are with the point at x: eighth powers of how far their strains are above 1, in sum;
+ * where that is not less than `enough`, at least so much. */
+static double badness_from(struct fan *fan, const float x[3], double enough)
 {
+    static const uint32_t corner[3] = {0, 1, 2};
     double sum = 0;
 
     for (unsigned t = 0; t < fan->n && sum < enough; t++) {
-        double a = vor_distance2f(x, fan->corner[t][0]), b = vor_distance2f(x, fan->corner[t][1]);
-        double c = fan->across[t], area2 = 4 * a * b - (a + b - c) * (a + b - c);
-        double over = area2 > 0 ? (a + b + c) / sqrt(3 * area2) - 1 : INFINITY;
+        double over;
 
+        memcpy(fan->corner[t], x, 3 * sizeof *x);
+        over = vor_triangle_strain(fan->corner[t], corner) - 1;
         over *= over * over * over;
         sum += over * over;
     }
     return sum;
+}
+
+/* The same of those around point i as it is. */
+static double badness_around(const struct worst *worst, uint32_t i, double enough)
+{
+    struct fan fan;
+
+    find_fan(&fan, worst, i);
+    return badness_from(&fan, &worst->seeds->xyz[3 * (size_t)i], enough);
 }
 
 /* Whether a triangle around point i has turned over against what it was, as `before` has their

@@ -38,7 +38,7 @@ enum {
      * rms distance to the true surface 0.56e-4 / 0.58e-4 / 0.59e-4, six 0.753 / 0.735 / 0.712, CPU
      * 0.9 / 1.1 / 1.2 s. */
     ON_WHOLE = 40,
-    /* Last steps, on surfaces that are fitted again sooner (OVERLAP), and measured one by one.
+    /* Last steps, on surfaces that are fitted again sooner (SLACK_FRESH), and measured one by one.
      * At 8 / 16 / 32: rms distance on fandisk 6.0e-4 / 5.7e-4 / 5.7e-4. */
     FRESH = 16,
     /* Steps from one measurement of delta to the next, before the last FRESH. 3 and 10 move no
@@ -49,9 +49,10 @@ enum {
 };
 
 /* Spacings: nearer pairs, which two steps take apart, part along the surface, and by a force of
- * that length. It matters where points coincide; half and double move no figure. Also
- * VOR_SEEDS_SLACK in the last FRESH steps, of which the same holds. */
+ * that length. It matters where points coincide; half and double move no figure. */
 #define OVERLAP (2 * VOR_REPEL_STEP_MAX)
+/* VOR_SEEDS_SLACK in the last FRESH steps. Half and double move no figure beyond the spread. */
+#define SLACK_FRESH OVERLAP
 /* With a density: neighbours are looked for so much farther than the force extends by the seed's
  * own spacing. Where that grows by the usual 0.2 of the way, one 1.5 spacings away has a spacing
  * larger by less than that. */
@@ -60,10 +61,11 @@ enum {
  * 0.577. At 0.6 / 0.65 / 0.7: igea 0.0216 / 0.0176 / 0.0172, fandisk 0.0235 / 0.0197 / 0.0192;
  * above, holes stay: largest gap on igea 0.706 spacings at 0.65, 0.732 at 0.7 (one seed). */
 #define HOLE 0.65
-/* The pull of paces that stay the same: share of what a hole is larger by that one step goes; and
- * pitches that this counts as at most, of which half and double move no figure beyond the spread.
- * At 0.075 / 0.15 / 0.3: igea 0.0172 / 0.0176 / 0.0185, fandisk 0.0188 / 0.0197 / 0.0218. */
+/* The pull of paces that stay the same: share of the excess that one step goes. At 0.075 / 0.15 /
+ * 0.3: igea 0.0172 / 0.0176 / 0.0185, fandisk 0.0188 / 0.0197 / 0.0218. */
 #define HOLE_PULL 0.15
+/* Pitches beyond HOLE that count at most. Half and double move no figure beyond the spread. */
+#define HOLE_EXCESS HOLE_PULL
 
 struct aim {
     unsigned hard;     /* S at the last step */
@@ -142,7 +144,7 @@ static void find_hole(struct polish *polish, const struct vor_scratch *scratch, 
         return;
     far = sqrt(far2);
     polish->quiet[i] = far < polish->hole * pitch;
-    excess = fmin(far - polish->hole * pitch, HOLE_PULL * pitch);
+    excess = fmin(far - polish->hole * pitch, HOLE_EXCESS * pitch);
     if (!(excess > 0))
         return;
     for (int c = 0; c < 3; c++)
@@ -486,7 +488,7 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
         polish->cells = stage->keep_last = 1;
         memset(polish->quiet, 0, seeds->n);
     }
-    polish->recall.slack = done + FRESH < steps ? VOR_SEEDS_SLACK : OVERLAP;
+    polish->recall.slack = done + FRESH < steps ? VOR_SEEDS_SLACK : SLACK_FRESH;
     polish->recall.lazy = aim == &even_distances && done % CELLS_EVEN > 0;
     polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
     polish->forces = (struct vor_forces){

@@ -217,7 +217,8 @@ VT_TEST_FIGURES(meshes_face_outward, VT_ONCE(VT_SOAK_LOOPS(4, 2 + DRAWS)))
 }
 
 /* Prisms about the origin, an edge with 70, 60 or 50 degrees, without noise and with a third of the
- * spacing, which walks would follow: fits at the edge have a normal of neither face. And 42. */
+ * spacing, which walks would follow: fits at the edge have a normal of neither face. And one with
+ * an edge of 42 degrees between faces of unequal lengths. */
 VT_TEST_FIGURES(sharp_prisms_face_outward, VT_ONCE(7))
 {
     static uint32_t face[] = {0, 1, 2, 3, 4, 5, 0, 1, 4, 0, 4, 3,
