@@ -47,6 +47,13 @@ struct ring {
     uint32_t point[RING_SIZE];
 };
 
+/* Flips that are tried together, as the edges that they made: no more than triangles at a point. Of
+ * seven clouds with folds, none went on for more than five; one, two and four were kept. */
+struct flips {
+    unsigned n;
+    uint32_t made[VOR_AROUND_MOST][2];
+};
+
 /* The triangles around a point, as it moves: each is the point, then its other corners. */
 struct fan {
     unsigned n;
@@ -326,10 +333,12 @@ static void move_at(struct worst *worst, const uint32_t corner[3], unsigned work
         }
 }
 
-/* Moves the points around an edge that was flipped. Returns whether the triangles are less bad than
- * `bad` in the end, and no point hangs that did not before. */
+/* Moves the points around edges that were flipped. Returns whether the triangles are less bad than
+ * `bad` in the end, and no point hangs that did not before. Points of triangles that lay over each
+ * other are near each other at first, so that there all steps together and a sweep are waited for.
+ */
 static int settle(struct worst *worst, const struct ring *ring, const struct kept *kept, double bad,
-                  unsigned worker)
+                  int folded, unsigned worker)
 {
     struct vor_scratch *scratch = &worst->seeds->scratch[worker];
     unsigned power = 1;
@@ -337,7 +346,7 @@ static int settle(struct worst *worst, const struct ring *ring, const struct kep
     for (int left = NUDGES; left-- > 0;) {
         for (unsigned k = 0; k < ring->n; k++)
             nudge(worst, ring->point[k], worker);
-        if (!(badness_of(worst, ring) < WORSE_MOST * (left > 0 ? WORSE_MOST : 1) * bad))
+        if (!folded && !(badness_of(worst, ring) < WORSE_MOST * (left > 0 ? WORSE_MOST : 1) * bad))
             return 0;
     }
     for (unsigned k = 0; k < ring->n; k++) {
@@ -353,7 +362,7 @@ static int settle(struct worst *worst, const struct ring *ring, const struct kep
     for (int sweep = 0; sweep < SWEEPS; sweep++) {
         double now = badness_of(worst, ring);
 
-        if (!(vor_power(now / bad, power) < WORSE_MOST))
+        if (!(folded && sweep == 0) && !(vor_power(now / bad, power) < WORSE_MOST))
             return 0;
         for (unsigned k = 0; k < ring->n; k++)
             if (WORSE_MOST * badness_around(worst, ring->point[k], now) > now)
@@ -373,18 +382,98 @@ static int may_flip(const struct worst *worst, uint32_t a, uint32_t b, const uin
            degree[b] > 3 && vor_flip_may(worst->complex, worst->sheet, a, b, third);
 }
 
+static int is_in(const struct ring *ring, uint32_t i)
+{
+    unsigned k = 0;
+
+    while (k < ring->n && ring->point[k] != i)
+        k++;
+    return k < ring->n;
+}
+
+/* The cosine between the normals of the triangles at an edge, which is below 0 where they lie over
+ * each other; 0 too where a flip could not put a shorter edge in its place. */
+static double fold_at(const struct worst *worst, uint32_t a, uint32_t b, const uint32_t third[2])
+{
+    const struct vor_complex *complex = worst->complex;
+    const uint32_t corner[2][3] = {{a, b, third[0]}, {b, a, third[1]}};
+    const float *xyz = worst->seeds->xyz;
+    uint32_t none[2];
+    double normal[2][3];
+
+    if (complex->degree[a] <= 3 || complex->degree[b] <= 3 ||
+        complex->degree[third[0]] >= VOR_AROUND_MOST ||
+        complex->degree[third[1]] >= VOR_AROUND_MOST ||
+        vor_complex_edge(complex, third[0], third[1], none) != 0 ||
+        !(vor_distance2f(&xyz[3 * (size_t)third[0]], &xyz[3 * (size_t)third[1]]) <
+          vor_distance2f(&xyz[3 * (size_t)a], &xyz[3 * (size_t)b])) ||
+        !vor_triangle_unit_normal(normal[0], xyz, corner[0]) ||
+        !vor_triangle_unit_normal(normal[1], xyz, corner[1]))
+        return 0;
+    return vor_dot(normal[0], normal[1]);
+}
+
+static void undo(struct worst *worst, struct flips *flips)
+{
+    while (flips->n > 0) {
+        const uint32_t *made = flips->made[--flips->n];
+        uint32_t third[2];
+
+        (void)vor_complex_edge(worst->complex, made[0], made[1], third);
+        vor_complex_flip(worst->complex, made[0], made[1], third);
+    }
+}
+
+/* Flips an edge, and then beside the last one the edge of the deepest fold, `most` in all. Returns
+ * whether there are as many. */
+static int flip_on(struct worst *worst, const struct ring *ring, struct flips *flips,
+                   const uint32_t edge[2], unsigned most)
+{
+    uint32_t end[2] = {edge[0], edge[1]}, third[2], next[2] = {0, 0};
+    double fold = -1;
+
+    for (flips->n = 0; flips->n < most && fold < 0;) {
+        (void)vor_complex_edge(worst->complex, end[0], end[1], third);
+        vor_complex_flip(worst->complex, end[0], end[1], third);
+        memcpy(flips->made[flips->n++], third, sizeof third);
+        fold = 0;
+        for (int side = 0; side < 4; side++) {
+            uint32_t a = end[side / 2], b = third[side % 2], over[2];
+            double here;
+
+            if (vor_complex_edge(worst->complex, a, b, over) != 2 || !is_in(ring, over[0]) ||
+                !is_in(ring, over[1]))
+                continue;
+            here = fold_at(worst, a, b, over);
+            if (here < fold) {
+                fold = here;
+                next[0] = a;
+                next[1] = b;
+            }
+        }
+        memcpy(end, next, sizeof end);
+    }
+    return flips->n == most;
+}
+
 /* Flips the edge from a to b, if there is one, and moves the points around it, if that makes the
- * triangles there less bad. */
+ * triangles there less bad. Where they lie over each other, edges beside it are flipped with it, as
+ * many more as suffice. */
 static void try_flip(struct worst *worst, uint32_t a, uint32_t b, unsigned worker)
 {
     struct vor_complex *complex = worst->complex;
     struct kept kept[RING_SIZE];
     struct ring ring = {.n = 0};
-    uint32_t third[2], back[2];
+    struct flips flips = {.n = 0};
+    const uint32_t edge[2] = {a, b};
+    uint32_t third[2];
     double bad;
+    int folded;
 
-    if (worst->left == 0 || vor_complex_edge(complex, a, b, third) != 2 ||
-        !may_flip(worst, a, b, third))
+    if (worst->left == 0 || vor_complex_edge(complex, a, b, third) != 2)
+        return;
+    folded = fold_at(worst, a, b, third) < 0;
+    if (!folded && !may_flip(worst, a, b, third))
         return;
     worst->left--;
     add_around(&ring, complex, a);
@@ -394,16 +483,20 @@ static void try_flip(struct worst *worst, uint32_t a, uint32_t b, unsigned worke
     for (unsigned k = 0; k < ring.n; k++)
         kept[k] = keep(worst, ring.point[k]);
     bad = badness_of(worst, &ring);
-    vor_complex_flip(complex, a, b, third);
-    if (settle(worst, &ring, kept, bad, worker)) {
+    for (unsigned most = 1; most <= (folded ? VOR_AROUND_MOST : 1); most++) {
+        int all = flip_on(worst, &ring, &flips, edge, most);
+
+        if (all && settle(worst, &ring, kept, bad, folded, worker)) {
+            for (unsigned k = 0; k < ring.n; k++)
+                forget(worst, ring.point[k]);
+            return;
+        }
         for (unsigned k = 0; k < ring.n; k++)
-            forget(worst, ring.point[k]);
-        return;
+            take_back(worst, ring.point[k], &kept[k]);
+        undo(worst, &flips);
+        if (!all)
+            return;
     }
-    for (unsigned k = 0; k < ring.n; k++)
-        take_back(worst, ring.point[k], &kept[k]);
-    (void)vor_complex_edge(complex, third[0], third[1], back);
-    vor_complex_flip(complex, third[0], third[1], back);
 }
 
 /* Flips edges around the corners of a triangle as long as it is bad, unless that was tried. */
