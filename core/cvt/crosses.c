@@ -157,19 +157,15 @@ static void round_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
 }
 
 vor_status vor_crosses_smooth(struct vor_crosses *crosses, const double *axes, const uint32_t *near,
-                              unsigned width, unsigned take, unsigned rounds,
-                              const struct vor_run *run, struct vor_error *err)
+                              unsigned width, unsigned take, const struct vor_run *run,
+                              struct vor_error *err)
 {
     struct round round = {crosses, axes, near, width, take};
-    vor_status status = VOR_OK;
+    double *last = crosses->now;
+    vor_status status = vor_run_for(run, crosses->n, BLOCK, round_block, &round, err);
 
-    for (unsigned r = 0; status == VOR_OK && r < rounds; r++) {
-        double *last = crosses->now;
-
-        status = vor_run_for(run, crosses->n, BLOCK, round_block, &round, err);
-        crosses->now = crosses->next;
-        crosses->next = last;
-    }
+    crosses->now = crosses->next;
+    crosses->next = last;
     return status;
 }
 

@@ -136,7 +136,6 @@ vor_status vor_descend_run(struct vor_seeds *seeds, struct vor_outcome *told,
     descend.stage.part[0] = (struct vor_part){descend.held, seeds->n};
     descend.stage.part[1] =
         (struct vor_part){descend.frozen.planes.crosses.kept, 3 * seeds->n * sizeof(float)};
-    descend.stage.part[2] = (struct vor_part){&descend.frozen.planes.set, sizeof(int)};
     VOR_THEN(status, put_down(&descend, err));
     VOR_THEN(status, vor_stage_of_seeds(&descend.stage, seeds, err));
     VOR_THEN(status, vor_stage_run(&descend.stage, err));

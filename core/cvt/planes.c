@@ -24,9 +24,6 @@
  * 5,000, 0.111 / 0.099 / 0.096 / 0.124, of armadillo_half 0.110 / 0.098 / 0.093 / 0.129, its
  * smallest distance over the mean 0.27 / 0.30 / 0.16 / 0.01. */
 #define BENT 1.4
-/* Rounds of means of the crosses the first time, when nothing is known; later there is one. At 10 /
- * 40 / 160 and 1 / 4 / 16, the middle of wide flat faces changes by less than with the seed. */
-enum { ROUNDS_FIRST = 20 };
 
 vor_status vor_planes_init(struct vor_planes *out, struct vor_seeds *seeds, int crossed,
                            struct vor_error *err)
@@ -316,7 +313,7 @@ vor_status vor_planes_set(struct vor_planes *p, unsigned power, double *y,
     if (status == VOR_OK && p->crossed) {
         status = vor_crosses_smooth(&p->crosses, p->axes, p->near, p->width,
                                     p->width < VOR_PATCH_HEXAGON ? p->width : VOR_PATCH_HEXAGON,
-                                    p->set == 0 ? ROUNDS_FIRST : 1, run, err);
+                                    run, err);
         if (status == VOR_OK) {
             /* The axes of all seeds turn to their crosses, and the walls with them. */
             for (size_t i = 0; i < p->seeds->n; i++) {
@@ -332,7 +329,6 @@ vor_status vor_planes_set(struct vor_planes *p, unsigned power, double *y,
                 flat->wall[1] = vor_dot(&axes[3], way);
             }
         }
-        p->set = 1;
     }
     if (status != VOR_OK || !p->seeds->policy.keep_border)
         return status;

@@ -29,7 +29,6 @@ struct vor_plane {
 struct vor_planes {
     struct vor_seeds *seeds;
     int crossed;    /**< axes follow crosses */
-    int set;        /**< crosses are known from the last time */
     double spacing; /**< of an even spread, normalised: the unit here */
     struct vor_crosses crosses;
     struct vor_plane *plane; /**< n */

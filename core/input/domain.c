@@ -28,12 +28,9 @@ enum { BLOCK = 1 << 16 }; /* points of one task */
 #define LONE_FROM 0.95
 #define LONE_GAP 8.0
 
-/* Extents: a cloud whose middle is nearer than that to the origin is not shifted. Float32 then has
- * at most two bits less for it than about its own middle. */
-#define SHIFTED_FROM 2
-
-/* Chooses shift and unit. The shift is 0 unless the cloud is far from the origin, because shifting
- * costs small coordinates their last bits. */
+/* Chooses shift and unit. The shift is 0 where the middle is nearer to the origin than the cloud is
+ * long, because shifting costs small coordinates their last bits. Float32 then has at most two bits
+ * less for it than about its own middle. */
 static void choose_frame(struct vor_domain *out, const struct vor_box *box)
 {
     double low[3], high[3], extent = 0, middle = 0, largest = 0;
@@ -47,7 +44,7 @@ static void choose_frame(struct vor_domain *out, const struct vor_box *box)
         middle = fmax(middle, fabs(out->shift[c]));
     }
     for (int c = 0; c < 3; c++) {
-        if (middle <= SHIFTED_FROM * extent)
+        if (middle <= extent)
             out->shift[c] = 0;
         largest = fmax(largest, fmax(fabs(low[c] - out->shift[c]), fabs(high[c] - out->shift[c])));
     }

@@ -5,11 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Share of the decrease that the gradient promises which a step must reach (Armijo 1966). */
-#define ENOUGH 1e-4
-/* Trials of a line search, each half as long as the one before: the last is 2e-6 of the first. */
-enum { TRIALS = 20 };
-
 static double dot(const double *a, const double *b, size_t n)
 {
     double sum = 0;
@@ -152,7 +147,7 @@ static vor_status step_on(struct vor_lbfgs *lbfgs, double *x, const struct vor_l
     double slope = aim(lbfgs, x, f), t = 1, value;
 
     *moved = 0;
-    for (unsigned trial = 0; slope < 0 && trial < TRIALS; trial++) {
+    while (slope < 0 && t > VOR_ROUNDED) {
         vor_status status;
 
         for (size_t i = 0; i < n; i++)
@@ -161,7 +156,7 @@ static vor_status step_on(struct vor_lbfgs *lbfgs, double *x, const struct vor_l
         if (status != VOR_OK)
             return status;
         told->evaluations++;
-        if (value <= told->after + ENOUGH * t * slope) {
+        if (value < told->after) {
             remember(lbfgs, x);
             memcpy(x, lbfgs->place, n * sizeof *x);
             memcpy(lbfgs->gradient, lbfgs->there, n * sizeof *x);
