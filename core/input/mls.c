@@ -24,7 +24,7 @@ enum {
 
 /* What a quadric's six coefficients take of the sum of weights (1 - d^2)^3: six times the mean of
  * their squares over their mean on a uniform disc, 6 (1 / 7) / (1 / 4). */
-#define TAKEN (24.0 / 7)
+#define TAKEN (VOR_QUADRIC_TERMS * 4.0 / 7)
 
 /* VOR_FINER decides when half of the neighbours replace the wider fit. At 1.4 / 2 / 4: 0.348,
  * 0.346, 0.028 / 0.344, 0.342, 0.031 / 0.339, 0.338, 0.037. And when neighbours that fill space
@@ -32,12 +32,6 @@ enum {
  * to 50,000: rms off it 5.8e-4 at each, cells at a border 0 / 0 / 3; without the widest fit 1.79e-3
  * and 1052. Close shells and thin walls, denoised, at 1.5 / 2 / infinity: 3 / 3 / 6 of 12 wrong;
  * without it 3. */
-
-/* Times as many points for its reach squared that the widest fit has at least around a point in the
- * scatter; noise of one spacing thins points by a twentieth. Igea as above at 1 / 1.3 / 1.5 / 2: 5
- * / 5 / 14 / 759 cells at a border; bores, screws and wedges with noise, rms in spacings against
- * none: 1 % more / 2 % less at the first two. */
-#define SCATTERED 1.3
 
 /* One pass over all points. */
 struct pass {
@@ -148,7 +142,9 @@ static int fit_scattered(struct hood *hood, double variance, const struct vor_do
         &(struct vor_knn_near){&domain->xyz[3 * i], 1, wide.k, NULL,
                                vor_knn_near_guess((float)hood->far2, hood->k, wide.k)},
         index, distance2);
-    if (!(hood->far2 * wide.k > SCATTERED * hood->k * (double)distance2[wide.k - 1]))
+    /* Around a point in the scatter more points lie for its reach squared: at 1 / 1.5 / 2 times as
+     * many, igea as above has 5 / 14 / 759 cells at a border. */
+    if (!(hood->far2 * wide.k > hood->k * (double)distance2[wide.k - 1]))
         return 0;
     gather(&wide, domain, i, index);
     if (!(fit(&wide, wide.k) <= VOR_FINER * variance))

@@ -16,9 +16,6 @@
  */
 #define FLAT 0.9
 
-/* Cosine from which on a triangle tells the side of the surface at a corner. */
-#define TELLS .5
-
 /* What an edge is worth whose triangle has to wait for others to be joined to its third corner; any
  * other is worth more. */
 #define WAITS (-4)
@@ -246,7 +243,8 @@ static vor_status push_edges(struct front *front, size_t t, struct vor_error *er
     return status;
 }
 
-/* Lets a triangle tell the sides of its corners that none has told before. */
+/* Lets a triangle tell the sides of its corners that none has told before, where its normal and the
+ * surface's are less than 60 degrees apart, as lines. */
 static void set_sides(struct front *front, const uint32_t corner[3])
 {
     double normal[3];
@@ -256,7 +254,7 @@ static void set_sides(struct front *front, const uint32_t corner[3])
         const float *m = &front->sheet->normal[3 * (size_t)corner[c]];
         double up = normal[0] * (double)m[0] + normal[1] * (double)m[1] + normal[2] * (double)m[2];
 
-        if (front->side[corner[c]] == 0 && fabs(up) >= TELLS)
+        if (front->side[corner[c]] == 0 && fabs(up) >= VOR_SAME_WAY)
             front->side[corner[c]] = up > 0 ? 1 : -1;
     }
 }

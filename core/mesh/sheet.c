@@ -20,9 +20,8 @@
 #define STIFF 0.25
 
 /* Distance from a place of a triangle to the nearest input point up to which it lies over the
- * input: in input spacings, or in its mean edges, for what bends between the points. Midway over a
- * crease of 90 degrees it is 0.35 edges. */
-#define NEAR_INPUT 1.5
+ * input: in input spacings as far as a point of the result may be, or in its mean edges, for what
+ * bends between the points. Midway over a crease of 90 degrees it is 0.35 edges. */
 #define NEAR_EDGE 0.4
 
 /* Cosine between the normals of a triangle and of its corners at least. Over a crease of 90 degrees
@@ -232,7 +231,7 @@ int vor_sheet_is_under(const struct vor_sheet *sheet, const uint32_t corner[3])
             at[3][d] += a[d] / 3;
         }
     }
-    most = fmax(NEAR_INPUT * domain->sparse, NEAR_EDGE * edge);
+    most = fmax(VOR_OUTSIDE_IN_RESULT * domain->sparse, NEAR_EDGE * edge);
     for (int k = 3; k >= 0; k--) {
         if (is_near_input(sheet, corner, at[k], most))
             continue;

@@ -440,12 +440,8 @@ vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_holes, struct v
                         attach_row, &attach, err);
 }
 
-/* Fewer points do not say how a surface goes on beyond them: a quadric fitted to all of them bends
- * to wherever it likes, up to 0.9 of the largest side of their box away from it. */
-enum { ENOUGH_POINTS = 16 };
-
-/* Room around the box of so few, in its largest side: a sphere sampled so sparsely bulges as far.
- */
+/* Room around the box of fewer points than a fit takes, in its largest side: a sphere sampled so
+ * sparsely bulges as far. */
 #define BOX_ROOM 0.1
 
 /* The middle of the box around the points and half its sides with room. */
@@ -470,12 +466,15 @@ static void box_of(const struct vor_domain *domain, double middle[3], double hal
         half[c] += BOX_ROOM * side;
 }
 
-/* Towards the middle, and not each coordinate by itself, which would put many into one corner. */
+/* Towards the middle, and not each coordinate by itself, which would put many into one corner.
+ * Fewer points than a fit takes do not say how a surface goes on beyond them: a quadric fitted to
+ * all of them bends to wherever it likes, up to 0.9 of the largest side of their box away from it.
+ */
 void vor_attach_to_box(struct vor_seeds *seeds)
 {
     double middle[3], half[3];
 
-    if (!seeds->policy.keep_border || seeds->whole->n >= ENOUGH_POINTS)
+    if (!seeds->policy.keep_border || seeds->whole->n >= VOR_NEIGHBORS_FEWEST)
         return;
     box_of(seeds->whole, middle, half);
     for (size_t i = 0; i < vor_seeds_moving(seeds); i++) {
