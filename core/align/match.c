@@ -19,12 +19,6 @@ enum {
     BOTH = 2             /* sides */
 };
 
-/* Pairs nearer than so many distances between the few have no direction of their own. */
-#define SHORTEST 3.0
-
-/* Least length of the sum of a pair's normals, seen across the pair, for it to say how it lies. */
-#define SLANT 0.1
-
 /* Poses nearer than this are one: 1 - cos of 20 degrees. */
 #define TURNED 0.06
 
@@ -171,14 +165,14 @@ static unsigned angle_bin(double cosine)
     return bin < ANGLES - 1 ? (unsigned)fmax(bin, 0) : ANGLES - 1;
 }
 
-/* The bin of a pair by its length and angles; BINS where it is too short or too long. */
+/* The bin of a pair by its length and angles; BINS where it is too long, or has no direction. */
 static unsigned bin_of(const struct match *match, const struct few *few, struct pair pair, int flip)
 {
     const double *n = few->normal[pair.a], *m = few->normal[pair.b];
     double along[3], length = direct(along, few->x[pair.a], few->x[pair.b]);
     double sign = flip ? -1 : 1;
 
-    if (!(length > SHORTEST * match->step && length < LENGTHS * match->step))
+    if (!(length > 0 && length < LENGTHS * match->step))
         return BINS;
     return (((unsigned)(length / match->step) * ANGLES + angle_bin(sign * vor_dot(n, along))) *
                 ANGLES +
@@ -228,7 +222,7 @@ static int axes_of(double out[3][3], const struct few *few, struct pair pair)
         out[1][c] = few->normal[pair.a][c] + few->normal[pair.b][c];
     vor_remove_along(out[1], out[0], 0);
     length = sqrt(vor_dot(out[1], out[1]));
-    if (!(length > SLANT))
+    if (!(length > VOR_ROUNDED))
         return 0;
     for (int c = 0; c < 3; c++)
         out[1][c] /= length;
