@@ -6,6 +6,7 @@
 #include "core/input/followed.h"
 #include "core/input/input.h"
 #include "core/input/islands.h"
+#include "core/input/motion.h"
 #include "core/input/restore.h"
 #include "core/input/sampled.h"
 #include "core/input/splats.h"
@@ -79,6 +80,7 @@ static vor_status place(struct engine *engine, struct vor_error *err)
     size_t rest = n - (all ? engine->given->n : share);
     vor_status status = vor_domain_continue(domain, engine->in, engine->previous, err);
 
+    VOR_THEN(status, vor_motion_follow(domain, &engine->whole, err));
     if (status == VOR_OK && rest > 0)
         status = vor_followed_make(domain, engine->in, rest, &engine->spec, &engine->whole, err);
     if (status == VOR_OK && (rest > 0 || all))

@@ -58,7 +58,8 @@ vor_status vor_previous_take(struct vor_previous *out, const struct vor_cloud *f
     vor_status status;
 
     if (VOR_MAKE_ALL(memory, err, from->n, VOR_ARRAY(taken.xyz, taken.n, 3),
-                     VOR_ARRAY(taken.track, taken.n, 1)) != VOR_OK) {
+                     VOR_ARRAY(taken.track, taken.n, 1),
+                     VOR_ZEROED(taken.bent, taken.n, 1)) != VOR_OK) {
         vor_previous_free(&taken);
         return VOR_E_NOMEM;
     }
@@ -82,6 +83,6 @@ vor_status vor_previous_take(struct vor_previous *out, const struct vor_cloud *f
 void vor_previous_free(struct vor_previous *previous)
 {
     if (previous->memory != NULL)
-        VOR_FREE_ALL(previous->memory, previous->track, previous->xyz);
+        VOR_FREE_ALL(previous->memory, previous->bent, previous->track, previous->xyz);
     *previous = (struct vor_previous){.n = 0};
 }

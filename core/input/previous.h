@@ -10,6 +10,7 @@ struct vor_previous {
     size_t n;
     float *xyz;      /**< n x 3 */
     uint32_t *track; /**< n */
+    float *bent;     /**< n: how far the surface took them apart from one motion of all */
     uint32_t unused; /**< the first number greater than each of them */
 };
 
@@ -23,7 +24,7 @@ struct vor_previous {
  *  @param[in]  middle    in the result, (x - middle) / unit stands for x
  *
  *  @retval VOR_E_PARAM the attribute has other values
- *  @retval VOR_E_NOMEM 24 bytes a point do not fit
+ *  @retval VOR_E_NOMEM 28 bytes a point do not fit
  *
  *  O(n log n), on one thread. */
 VOR_NODISCARD vor_status vor_previous_take(struct vor_previous *out, const struct vor_cloud *from,

@@ -83,7 +83,7 @@ static void put_row(void *ctx, size_t i, unsigned worker)
     const struct warm *warm = ctx;
     const float *from = &warm->previous->xyz[3 * i];
     float *to = &warm->xyz[3 * i];
-    double x[3] = {(double)from[0], (double)from[1], (double)from[2]}, moved;
+    double x[3] = {(double)from[0], (double)from[1], (double)from[2]}, moved, bent, wanted2;
 
     to[0] = NAN;
     /* The domain lies within 1 of the middle. */
@@ -91,8 +91,11 @@ static void put_row(void *ctx, size_t i, unsigned worker)
         !put(warm->seeds, &warm->seeds->scratch[worker], x))
         return;
     vor_to_floats(to, x);
-    moved = (double)vor_distance2f(to, from) / spacing2(warm, to);
+    wanted2 = spacing2(warm, to);
+    moved = vor_distance2f(to, from) / wanted2;
+    bent = (double)warm->previous->bent[i];
     warm->room[i] = (float)fmin(4 * moved, 1);
+    warm->doubt[i] = (float)fmin(16 * (moved + bent * bent / wanted2), 1);
     if (!(moved <= LEFT * LEFT))
         to[0] = NAN;
 }
@@ -136,7 +139,7 @@ static void gather(struct warm *warm)
             continue;
         memmove(&warm->xyz[3 * warm->m], &warm->xyz[3 * i], 3 * sizeof *warm->xyz);
         warm->moved += (double)warm->room[i];
-        warm->doubt[warm->m] = fminf(4 * warm->room[i], 1);
+        warm->doubt[warm->m] = warm->doubt[i];
         warm->track[warm->m++] = previous->track[i];
     }
 }

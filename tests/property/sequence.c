@@ -113,9 +113,9 @@ static const struct {
     double noise, turn, kept, moved, delta;
 } rows[] = {
     {"points=1500", 0.2, 0, 0.999, 0.2, 1.4},
-    {"points=800", 0, 0.03, 0.93, 1e9, 1.8},
-    {"points=800 boundary=sites density=curvature", 0, 0.03, 0.75, 1e9, 2},
-    {"points=900 metric=anisotropic", 0, 0.03, 0.6, 1e9, 2},
+    {"points=800", 0, 0.03, 0.98, 1e9, 1.8},
+    {"points=800 boundary=sites density=curvature", 0, 0.03, 0.9, 1e9, 2},
+    {"points=900 metric=anisotropic", 0, 0.03, 0.8, 1e9, 2},
 };
 
 VT_TEST_FIGURES(points_of_a_sequence_live_on, VT_FEWER(SEEDS))
