@@ -32,7 +32,8 @@ enum {
 /* Share of the places that must not be thick. At 0.93 / 0.97 / 0.99: noise 14.9 / 15.5 / 16.1, half
  * 13.4 / 13.5 / 14.0. */
 #define THICK_SHARE 0.97
-/* The same of a pool. At 0.9 / 0.95 / 0.99 no figure moves beyond the spread. */
+/* The same of a pool. At 0.9 / 0.95 / 0.99 no figure moves beyond the spread; but at 0.97,
+ * so that its thickest place decides, the sides of a thin plate pass for noise. */
 #define THICK_SHARE_POOL 0.95
 /* If every number leaves neighbourhoods thick: times the least thickness at which more neighbours
  * help little. At 1.1 / 1.25 / 1.6 no figure moves: with this noise 45 are enough; but at 1.1 ear

@@ -21,7 +21,9 @@ enum {
 /* Where t would be if deviations were infinite, and above which t says nothing. */
 #define BALL 0.38
 #define THICK 0.28
-/* Factor between a region and the median, below which they are taken for the same. */
+/* Factor between a region and the median, below which they are taken for the same. With / without,
+ * rms off the surface in spacings: a gear and a wedge with noise of three spacings 0.199, 0.804 /
+ * 0.222, 0.864; thin parts, a screw and a turned piece within 2 %. */
 #define ALIKE 1.5
 /* Deviation over the reach of FEW neighbours from which noise is wide whatever the number that fits
  * take. On a plane 0.36 is a noise of one spacing, 0.55 of 1.6. At 0.24 / 0.45, rms off the surface
