@@ -57,6 +57,7 @@ struct flips {
 /* The triangles around a point, as it moves: each is the point, then its other corners. */
 struct fan {
     unsigned n;
+    int by_angle;
     float corner[VOR_AROUND_MOST][9];
 };
 
@@ -71,9 +72,29 @@ struct worst {
         *tried;         /* n: edges there were flipped in vain, and none near with success since */
     struct bad *bad;    /* a triangle each, `count` are set */
     size_t count, left; /* left: flips that may be tried */
+    int by_angle;       /* see strain_of */
     vor_status status;  /* of what ran on the pool's thread */
     struct vor_error *err;
 };
+
+/* How bad a triangle is, from 1 on: its strain, or by its angle, the strain of the least strained
+ * triangle with as small an angle. What that has above 1 is no less than half of what its own has,
+ * so that one of 44 degrees is about as bad as an obtuse one with Q_t = .76 (mesh/quality.h). */
+static double strain_of(const float *xyz, const uint32_t corner[3], int by_angle)
+{
+    double strain = vor_triangle_strain(xyz, corner), cosine;
+
+    if (!by_angle)
+        return strain;
+    cosine = vor_triangle_sharpest(xyz, corner);
+    return cosine < 1 ? fmax((1 + strain) / 2, (2 - cosine) / sqrt(3 * (1 - cosine * cosine)))
+                      : INFINITY;
+}
+
+static int is_bad(const struct worst *worst, const uint32_t corner[3])
+{
+    return strain_of(worst->seeds->xyz, corner, worst->by_angle) > BAD;
+}
 
 /* Worst first; of as bad ones, the smaller number. */
 static int worse_first(const void *a, const void *b)
@@ -90,6 +111,7 @@ static void find_fan(struct fan *fan, const struct worst *worst, uint32_t i)
     const struct vor_complex *complex = worst->complex;
 
     fan->n = complex->degree[i];
+    fan->by_angle = worst->by_angle;
     for (unsigned t = 0; t < fan->n; t++) {
         uint32_t other[2];
 
@@ -109,7 +131,7 @@ static double badness_from(struct fan *fan, const float x[3], double enough)
         double over;
 
         memcpy(fan->corner[t], x, 3 * sizeof *x);
-        over = vor_triangle_strain(fan->corner[t], corner) - 1;
+        over = strain_of(fan->corner[t], corner, fan->by_angle) - 1;
         over *= over * over * over;
         sum += over * over;
     }
@@ -278,6 +300,16 @@ static void nudge(struct worst *worst, uint32_t i, unsigned worker)
         memcpy(at, from, sizeof from);
 }
 
+/* The place of point i in a ring; after the last where it is not there. */
+static unsigned find(const struct ring *ring, uint32_t i)
+{
+    unsigned k = 0;
+
+    while (k < ring->n && ring->point[k] != i)
+        k++;
+    return k;
+}
+
 /* Adds the corners of the triangles of point i. */
 static void add_around(struct ring *ring, const struct vor_complex *complex, uint32_t i)
 {
@@ -286,10 +318,8 @@ static void add_around(struct ring *ring, const struct vor_complex *complex, uin
 
         for (size_t c = 0; c < 3; c++) {
             uint32_t corner = complex->triangle[3 * (size_t)at + c];
-            unsigned k = 0;
+            unsigned k = find(ring, corner);
 
-            while (k < ring->n && ring->point[k] != corner)
-                k++;
             ring->point[k] = corner;
             ring->n += k == ring->n;
         }
@@ -323,9 +353,7 @@ static void move_at(struct worst *worst, const uint32_t corner[3], unsigned work
     for (int c = 0; c < 3; c++)
         move(worst, corner[c], worker);
     for (int c = 0; c < 3; c++)
-        for (unsigned t = 0;
-             t < complex->degree[corner[c]] && vor_triangle_strain(worst->seeds->xyz, corner) > BAD;
-             t++) {
+        for (unsigned t = 0; t < complex->degree[corner[c]] && is_bad(worst, corner); t++) {
             uint32_t at = complex->around[(size_t)corner[c] * VOR_AROUND_MOST + t], other[2];
 
             vor_complex_others(complex, at, corner[c], other);
@@ -382,15 +410,6 @@ static int may_flip(const struct worst *worst, uint32_t a, uint32_t b, const uin
            degree[b] > 3 && vor_flip_may(worst->complex, worst->sheet, a, b, third);
 }
 
-static int is_in(const struct ring *ring, uint32_t i)
-{
-    unsigned k = 0;
-
-    while (k < ring->n && ring->point[k] != i)
-        k++;
-    return k < ring->n;
-}
-
 /* The cosine between the normals of the triangles at an edge, which is below 0 where they lie over
  * each other; 0 too where a flip could not put a shorter edge in its place. */
 static double fold_at(const struct worst *worst, uint32_t a, uint32_t b, const uint32_t third[2])
@@ -441,8 +460,8 @@ static int flip_on(struct worst *worst, const struct ring *ring, struct flips *f
             uint32_t a = end[side / 2], b = third[side % 2], over[2];
             double here;
 
-            if (vor_complex_edge(worst->complex, a, b, over) != 2 || !is_in(ring, over[0]) ||
-                !is_in(ring, over[1]))
+            if (vor_complex_edge(worst->complex, a, b, over) != 2 ||
+                find(ring, over[0]) == ring->n || find(ring, over[1]) == ring->n)
                 continue;
             here = fold_at(worst, a, b, over);
             if (here < fold) {
@@ -465,8 +484,7 @@ static void try_flip(struct worst *worst, uint32_t a, uint32_t b, unsigned worke
     struct kept kept[RING_SIZE];
     struct ring ring = {.n = 0};
     struct flips flips = {.n = 0};
-    const uint32_t edge[2] = {a, b};
-    uint32_t third[2];
+    uint32_t third[2], edge[2] = {a, b};
     double bad;
     int folded;
 
@@ -512,7 +530,7 @@ static void flip_at(struct worst *worst, const uint32_t *corner, unsigned worker
         add_around(&ring, worst->complex, corner[c]);
     }
     for (unsigned k = 0; k < ring.n; k++)
-        for (unsigned j = 0; j < k && vor_triangle_strain(worst->seeds->xyz, corner) > BAD; j++)
+        for (unsigned j = 0; j < k && is_bad(worst, corner); j++)
             try_flip(worst, ring.point[j], ring.point[k], worker);
 }
 
@@ -524,11 +542,10 @@ static void list(struct worst *worst)
     worst->count = 0;
     for (uint32_t t = 0; t < complex->count; t++) {
         const uint32_t *corner = &complex->triangle[3 * (size_t)t];
-        double strain =
-            corner[0] == VOR_COMPLEX_GONE ? 0 : vor_triangle_strain(worst->seeds->xyz, corner);
 
-        if (strain > BAD)
-            worst->bad[worst->count++] = (struct bad){strain, t};
+        if (corner[0] != VOR_COMPLEX_GONE && is_bad(worst, corner))
+            worst->bad[worst->count++] =
+                (struct bad){strain_of(worst->seeds->xyz, corner, worst->by_angle), t};
     }
     qsort(worst->bad, worst->count, sizeof *worst->bad, worse_first);
 }
@@ -548,11 +565,15 @@ static void for_each(struct worst *worst, unsigned worker,
 static void improve_on_one(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
                            unsigned worker)
 {
-    const struct worst *worst = ctx;
+    struct worst *worst = ctx;
 
-    for (int pass = 0; pass < 2 * VOR_RELAX_ROUNDS && worst->left > 0; pass++) {
-        for_each(ctx, worker, move_at);
-        for_each(ctx, worker, flip_at);
+    for (int pass = 0; pass < 3 * VOR_RELAX_ROUNDS && worst->left > 0; pass++) {
+        if (pass == VOR_RELAX_ROUNDS) {
+            worst->by_angle = 1;
+            memset(worst->tried, 0, worst->seeds->n);
+        }
+        for_each(worst, worker, move_at);
+        for_each(worst, worker, flip_at);
     }
 }
 
