@@ -150,17 +150,35 @@ static void move_along(float *x, const float *n, const double place[3])
         x[c] = (float)((double)x[c] + d[c]);
 }
 
+/* Whether no data of its side are around a point. */
+static int hangs(const struct around *around, const float *x, const float *n)
+{
+    double v[3] = {0}, height2 = to_hull(v, around, x, n, 1);
+
+    return height2 + vor_dot(v, v) > REACH * REACH * area_of(around);
+}
+
+int vor_lop_beside_hangs(const float *x, const float *n, const struct vor_lop_beside *beside)
+{
+    struct around around = {.beside = beside, .self = SIZE_MAX};
+    struct vor_knn_last none = {.k = 0};
+
+    if (beside->data == NULL)
+        return 0;
+    look(&around, x, &none);
+    return hangs(&around, x, n);
+}
+
 void vor_lop_beside_land(float *x, float *n, const struct vor_lop_beside *beside, size_t self,
                          struct vor_knn_last *last)
 {
     struct around around = {.beside = beside, .self = self};
-    double v[3] = {0}, foot[3] = {0}, off2;
+    double foot[3] = {0};
     const float *m;
     size_t datum;
 
     look(&around, x, last);
-    off2 = to_hull(v, &around, x, n, 1) + vor_dot(v, v);
-    if (off2 <= REACH * REACH * area_of(&around))
+    if (!hangs(&around, x, n))
         return;
     datum = nearest_disc(foot, &around, x);
     if (datum == SIZE_MAX)

@@ -38,6 +38,10 @@ struct vor_lop_beside {
 size_t vor_lop_beside_face(float *x, const struct vor_lop_beside *beside,
                            struct vor_knn_last *last);
 
+/** Whether no data of its side are around a point: it is farther than three quarters of a spacing
+ *  of the data from their hull, or from all of their planes. O(log n). Thread-safe. */
+int vor_lop_beside_hangs(const float *x, const float *n, const struct vor_lop_beside *beside);
+
 /** Puts a point that no data of its side are around onto the nearest disc, with its normal. Where
  *  the two normals are less than 60 degrees apart, a datum stays, and another point moves along its
  *  own plane to where the disc is.

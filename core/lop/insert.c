@@ -244,6 +244,32 @@ static double find_largest(struct insertion *insertion, unsigned *at)
     }
 }
 
+/* Whether points are put beside the data in the end; else all are polished later. */
+static int lands(const struct vor_lop_insert_how *how)
+{
+    return how->rho > 0 || how->polish > 0;
+}
+
+/* Puts a base onto that of its ends' sides which is nearer. Where the point would hang in the air
+ * there, as across a gap that the plane of one side passes: onto the other side, if these are at
+ * right angles or more; data between others may have planes of neither. */
+static int put(struct vor_lop_point *out, const struct insertion *insertion, const float base[3],
+               const struct vor_lop_point end[2])
+{
+    const struct vor_lop_insert_how *how = insertion->how;
+    int held = vor_lop_latent_put(out, &insertion->latent, base, end);
+    int hangs = held && lands(how) && !how->fill &&
+                vor_lop_beside_hangs(out->xyz, out->normal, &how->beside);
+
+    for (int l = 0; l < 2 && hangs && vor_dotf(end[0].normal, end[1].normal) <= 0; l++) {
+        const struct vor_lop_point same[2] = {end[l], end[l]};
+
+        hangs = !vor_lop_latent_put(out, &insertion->latent, base, same) ||
+                vor_lop_beside_hangs(out->xyz, out->normal, &how->beside);
+    }
+    return held && !hangs;
+}
+
 /* Inserts a point between the first point of the queue and its partner at a place, with the
  * clearance that their base had. Where the surface has no side the pair comes after all others. */
 static vor_status insert_between(struct insertion *insertion, unsigned at, double clearance2,
@@ -262,7 +288,9 @@ static vor_status insert_between(struct insertion *insertion, unsigned at, doubl
     memcpy(end[0].normal, normal(insertion, i), sizeof end[0].normal);
     memcpy(end[1].xyz, place(insertion, j), sizeof end[1].xyz);
     memcpy(end[1].normal, normal(insertion, j), sizeof end[1].normal);
-    if (!vor_lop_latent_put(&point, &insertion->latent, base.xyz, end) && !is_last) {
+    if (is_last) {
+        (void)vor_lop_latent_put(&point, &insertion->latent, base.xyz, end);
+    } else if (!put(&point, insertion, base.xyz, end)) {
         lower(insertion, at, LAST);
         return VOR_OK;
     }
@@ -389,7 +417,7 @@ vor_status vor_lop_insert(struct vor_lop_samples *samples, size_t n,
     if (n > insertion.begun)
         told->seconds[VOR_RUN_STAGE_INSERT] = vor_run_clock(run) - before;
     VOR_THEN(status, vor_lop_even(samples, &insertion.latent, &even, domain, told, run, err));
-    if (status == VOR_OK && (how->rho > 0 || how->polish > 0)) /* else all are polished later */
+    if (status == VOR_OK && lands(how))
         status = vor_lop_beside_put(samples, how->polish > 0 ? 0 : insertion.begun, &how->beside,
                                     &whole, err);
     vor_lop_latent_free(&insertion.latent);

@@ -8,7 +8,9 @@
  *  all pairs. While normals stand, priorities only fall, so that the first pair of the queue whose
  *  priority still holds is the one: nothing else is computed anew. Of equal priorities comes the
  *  pair whose later point came first, then that with the smaller partner. A pair whose base no side
- *  of the latent surface holds (lop/latent.h) comes after all others.
+ *  of the latent surface holds (lop/latent.h) comes after all others; unless gaps are filled, also
+ *  one whose point would hang in the air (lop/beside.h). Of 30 rows of shapes with edges, noise of
+ *  0.3 spacings, points facing inward without / with this 462 / 367.
  *
  *  Departure: normals more than 90 degrees apart count as 90 in P: most of them are those of bad
  *  fits, which came first.
