@@ -280,6 +280,39 @@ double vor_boundary_regularity(const float *near, unsigned k, double spacing)
     return sum / k / (spacing / 2);
 }
 
+/* Whether a direction lies to the left of a (side 1) or to its right (-1) by less than the angle
+ * that is to be free. */
+static int has_beside(const double direction[][2], unsigned count, double cosine, const double a[2],
+                      double side)
+{
+    for (unsigned j = 0; j < count; j++) {
+        const double *b = direction[j];
+
+        if (side * (a[0] * b[1] - a[1] * b[0]) > 0 && a[0] * b[0] + a[1] * b[1] > cosine)
+            return 1;
+    }
+    return 0;
+}
+
+int vor_boundary_free_side(const double direction[][2], unsigned count, double cosine,
+                           double side[2])
+{
+    double middle[2] = {0, 0}, length;
+
+    for (unsigned j = 0; j < count; j++)
+        for (int turn = 1; turn >= -1; turn -= 2)
+            if (!has_beside(direction, count, cosine, direction[j], turn)) {
+                middle[0] -= turn * direction[j][1];
+                middle[1] += turn * direction[j][0];
+            }
+    length = sqrt(middle[0] * middle[0] + middle[1] * middle[1]);
+    if (!(length > 0))
+        return 0;
+    side[0] = middle[0] / length;
+    side[1] = middle[1] / length;
+    return 1;
+}
+
 int vor_boundary_within(const float *near, unsigned k, const double x[3], double distance)
 {
     unsigned which = 0;

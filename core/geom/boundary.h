@@ -175,6 +175,14 @@ double vor_boundary_end(const struct vor_surface *frame, const double seed[3], c
 double vor_boundary_room(const struct vor_surface *surface, const float *near, unsigned k,
                          const double seed[3], double radius, double side[2]);
 
+/** RIM. True when `count` unit vectors along a surface leave an angle of such a cosine free.
+ *
+ *  @param[out] side  the unit vector to its middle; unset where none is free
+ *
+ *  O(count^2). */
+int vor_boundary_free_side(const double direction[][2], unsigned count, double cosine,
+                           double side[2]);
+
 /** True when a neighbour is within `distance` of x. O(k). */
 int vor_boundary_within(const float *near, unsigned k, const double x[3], double distance);
 

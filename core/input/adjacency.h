@@ -25,6 +25,12 @@
 #include "core/input/domain.h"
 #include "core/input/sheet_walk.h"
 
+/** Square of the cosine of normals along one line. At 0.75 / 0.97 / 0.9936, waves 2.5 spacings
+ * apart are .011 / .033 / .052 spacings off (.076 without), of a plate 2.4 spacings thick 143 / 143
+ * / 147 of 6,000 points lie inside (244 without); at 0.75 a gear's mesh and a screw's have holes.
+ */
+#define VOR_NORMALS_ALIKE 0.97
+
 /** Finds out whether lists pay for fits: whether at eight or more of 1,024 places a second sheet
  *  lies over or crosses that of the point. Creases, noise and steps of depth are none.
  *

@@ -9,11 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Square of the cosine of normals along one line. At 0.75 / 0.97 / 0.9936, waves 2.5 spacings apart
- * are .011 / .033 / .052 spacings off (.076 without), of a plate 2.4 spacings thick 143 / 143 / 147
- * of 6,000 points lie inside (244 without); at 0.75 a gear's mesh and a screw's have holes. */
-#define ALIKE 0.97
-
 static vor_status make_local(struct vor_domain *domain, const struct vor_run *run,
                              struct vor_error *err)
 {
@@ -99,7 +94,7 @@ static int is_alike(const struct vor_graph *graph, uint32_t i, uint32_t j)
     vor_to_doubles(m, &graph->normal[3 * (size_t)i]);
     vor_to_doubles(n, &graph->normal[3 * (size_t)j]);
     along = vor_dot(m, n);
-    return along * along > ALIKE;
+    return along * along > VOR_NORMALS_ALIKE;
 }
 
 /* Distance of x from a surface, along its normal. */

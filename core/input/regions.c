@@ -1,6 +1,7 @@
 #include "core/input/regions.h"
 
 #include "core/base/linalg.h"
+#include "core/geom/boundary.h"
 #include "core/geom/parting.h"
 #include "core/geom/surface.h"
 #include "core/geom/through.h"
@@ -65,6 +66,7 @@ struct regions {
     uint32_t *next;        /* n: in the next round */
     uint32_t *before;      /* n: in the round before */
     unsigned char *mixed;  /* n: others are around */
+    float *end;            /* n x 3: where to the region of a point ends at it; 0: it goes on */
 };
 
 /* The points around one, nearest first, and the regions that these belong to. */
@@ -273,23 +275,97 @@ static void ask_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned w
     }
 }
 
-/* Makes the list of point i of the nearest of its region. */
-static void take_list(struct regions *regions, uint32_t i)
+/* Whether normals of two points are along one line, as of sheets over each other. */
+static int is_alike(const struct regions *regions, uint32_t i, uint32_t j)
 {
-    struct vor_graph *graph = regions->graph;
-    uint32_t index[AROUND], taken[VOR_ADJACENT + 1];
+    const uint32_t at[2] = {i, j};
+    double axis[2][3], normal[2][3], along;
+
+    for (int e = 0; e < 2; e++) {
+        for (int a = 0; a < 2; a++)
+            vor_to_doubles(axis[a], regions->leaf[at[e]].axis[a]);
+        vor_cross(normal[e], axis[0], axis[1]);
+    }
+    along = vor_dot(normal[0], normal[1]);
+    return along * along > VOR_NORMALS_ALIKE;
+}
+
+/* Whether the regions of points i and j, which end at them towards each other, are faces of one
+ * thin part that are joined there around its rim. */
+static int is_around_rim(const struct regions *regions, uint32_t i, uint32_t j)
+{
+    double end_i[3], end_j[3], way[3];
+
+    vor_to_doubles(end_i, &regions->end[3 * (size_t)i]);
+    vor_to_doubles(end_j, &regions->end[3 * (size_t)j]);
+    vor_way(way, point(regions, i), point(regions, j));
+    return vor_dot(way, end_i) > 0 && vor_dot(way, end_j) < 0 && !is_alike(regions, i, j);
+}
+
+/* Takes point i and the nearest of its region, and of others around a rim where that is asked for,
+ * and fits a surface to them. Returns how many; 0 where they are too few. */
+static unsigned take_nearest(const struct regions *regions, uint32_t i, int around,
+                             uint32_t taken[VOR_ADJACENT + 1], struct vor_surface *surface)
+{
+    uint32_t index[AROUND];
     float distance2[AROUND];
-    struct vor_surface surface;
-    double x[3], local[3], normal[3];
     unsigned n = 1;
 
     vor_knn_search(regions->domain->knn, point(regions, i), 1, AROUND, index, distance2);
     taken[0] = i;
-    for (unsigned e = 0; e < AROUND && n <= graph->most; e++)
-        if (index[e] != i && regions->region[index[e]] == regions->region[i])
+    for (unsigned e = 0; e < AROUND && n <= regions->graph->most; e++)
+        if (index[e] != i && (regions->region[index[e]] == regions->region[i] ||
+                              (around && is_around_rim(regions, i, index[e]))))
             taken[n++] = index[e];
-    (void)vor_surface_fit_to(&surface, regions->domain->xyz, taken, n);
-    if (n < VOR_ADJACENT_FEWEST || surface.kind == VOR_SURFACE_NONE)
+    (void)vor_surface_fit_to(surface, regions->domain->xyz, taken, n);
+    return n < VOR_ADJACENT_FEWEST || surface->kind == VOR_SURFACE_NONE ? 0 : n;
+}
+
+/* Finds where to the region of a point ends at it: into an angle of 120 degrees, as a missing
+ * neighbour leaves. At 120 / 130 / 150 degrees, open edges of five bowls whose walls are 1.55 or
+ * 1.8 spacings thick 13 / 39 / 92 (639 without); of shell60k to 20,000 358 / 374 / 408 (509) and 90
+ * / 93 / 121 (65) triangles on two sheets of 39,560 / 39,522 / 39,474 (39,259). */
+static void end_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
+{
+    struct regions *regions = ctx;
+    uint32_t taken[VOR_ADJACENT + 1];
+    struct vor_surface surface;
+    double direction[VOR_ADJACENT][2], side[2], d[3];
+    unsigned n, count = 0;
+
+    memset(&regions->end[3 * i], 0, 3 * sizeof *regions->end);
+    if (!regions->mixed[i] || regions->region[i] == NONE)
+        return;
+    n = take_nearest(regions, (uint32_t)i, 0, taken, &surface);
+    for (unsigned k = 1; k < n; k++) {
+        double u, v, length;
+
+        vor_way(d, point(regions, (uint32_t)i), point(regions, taken[k]));
+        u = vor_dot(surface.axis[0], d);
+        v = vor_dot(surface.axis[1], d);
+        length = sqrt(u * u + v * v);
+        if (!(length > 0))
+            continue;
+        direction[count][0] = u / length;
+        direction[count++][1] = v / length;
+    }
+    if (!vor_boundary_free_side(direction, count, -VOR_SAME_WAY, side))
+        return;
+    for (int c = 0; c < 3; c++)
+        regions->end[3 * i + (size_t)c] =
+            (float)(side[0] * surface.axis[0][c] + side[1] * surface.axis[1][c]);
+}
+
+/* Makes the list of point i of the nearest of its region, and of one that it is joined with. */
+static void take_list(struct regions *regions, uint32_t i)
+{
+    struct vor_graph *graph = regions->graph;
+    uint32_t taken[VOR_ADJACENT + 1];
+    struct vor_surface surface;
+    double x[3], local[3], normal[3];
+    unsigned n = take_nearest(regions, i, 1, taken, &surface);
+
+    if (n == 0)
         return;
     memcpy(&graph->list[(size_t)i * graph->most], &taken[1], (n - 1) * sizeof *taken);
     graph->count[i] = (unsigned char)(n - 1);
@@ -348,6 +424,7 @@ static vor_status make(struct regions *regions, const struct vor_run *run, struc
         regions->region = regions->next;
         regions->next = held;
     }
+    VOR_THEN(status, vor_run_rows(run, n, BLOCK, end_row, regions, err));
     return status == VOR_OK ? vor_run_rows(run, n, BLOCK, list_row, regions, err) : status;
 }
 
@@ -364,9 +441,10 @@ vor_status vor_regions_make(struct vor_graph *graph, const struct vor_domain *do
     status = VOR_MAKE_ALL(memory, err, n, VOR_ARRAY(regions.leaf, n, 1),
                           VOR_ARRAY(regions.bond, n, BONDS), VOR_ARRAY(regions.bonds, n, 1),
                           VOR_ARRAY(regions.mixed, n, 1), VOR_ARRAY(regions.before, n, 1),
-                          VOR_ARRAY(regions.region, n, 1), VOR_ARRAY(regions.next, n, 1));
+                          VOR_ARRAY(regions.region, n, 1), VOR_ARRAY(regions.next, n, 1),
+                          VOR_ARRAY(regions.end, n, 3));
     VOR_THEN(status, make(&regions, run, err));
-    VOR_FREE_ALL(memory, regions.next, regions.region, regions.before, regions.mixed, regions.bonds,
-                 regions.bond, regions.leaf);
+    VOR_FREE_ALL(memory, regions.end, regions.next, regions.region, regions.before, regions.mixed,
+                 regions.bonds, regions.bond, regions.leaf);
     return status;
 }

@@ -8,7 +8,8 @@
  *  again, from its neighbours alone: it belongs to the region through whose points around it a
  *  smooth surface (geom/through.h) leads nearest to it. Lists there keep to one region.
  *
- *  For two faces of one thin part, which are joined around its rim, it cuts lists there.
+ *  Two faces of one thin part are two regions, though they are joined around its rim: there both
+ *  end, each towards the other, and lists of points at the end go around it.
  *
  *  Source: none of the papers; the second step is leave-one-out cross-validation. */
 #ifndef VOR_INPUT_REGIONS_H
@@ -20,7 +21,7 @@
  *
  *  @param[in,out] graph  of the domain's points, by vor_adjacency_make
  *
- *  @retval VOR_E_NOMEM 550 bytes a point do not fit, and 16 for each pair that parts, of 24 at most
+ *  @retval VOR_E_NOMEM 562 bytes a point do not fit, and 16 for each pair that parts, of 24 at most
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for; the graph is to be freed
  *
  *  O(n log^2 n), on the run's pool but for the decisions, which take one thread. The same lists for

@@ -2,6 +2,8 @@
 
 #include "core/base/linalg.h"
 
+#include <string.h>
+
 /* Points nearest to the middle of a triangle at which others are looked for. One that passes
  * through it has a corner within 1.2 edges of the middle; on each of three even sheets 8 points
  * reach 1.5 edges far. On shell60k 6, 24 and 48 find the same. */
@@ -192,35 +194,65 @@ static void cross_row(void *ctx, size_t t, VOR_UNUSED unsigned worker)
         crossing->complex->triangle[3 * t] != VOR_COMPLEX_GONE && is_crossed(crossing, t);
 }
 
-vor_status vor_crossing_drop(struct vor_complex *complex, const struct vor_sheet *sheet,
-                             const struct vor_run *run, struct vor_error *err)
+/* Counts the triangles that pass through others, and marks them. */
+static vor_status mark(struct crossing *crossing, size_t *count, const struct vor_run *run,
+                       struct vor_error *err)
 {
-    const struct vor_seeds *seeds = sheet->seeds;
-    const struct vor_conditioning *known = &seeds->domain->known;
-    struct crossing crossing = {.complex = complex, .sheet = sheet};
+    const struct vor_seeds *seeds = crossing->sheet->seeds;
     struct vor_knn *knn = NULL;
+    vor_status status = vor_knn_build(&knn, seeds->xyz, seeds->n, run->memory, err);
+
+    crossing->knn = knn;
+    crossing->most = seeds->n < AROUND ? (unsigned)seeds->n : AROUND;
+    VOR_THEN(status, vor_run_rows(run, crossing->complex->count, BLOCK, cross_row, crossing, err));
+    vor_knn_free(knn);
+    *count = 0;
+    for (size_t t = 0; t < crossing->complex->count && status == VOR_OK; t++)
+        *count += crossing->passes[t];
+    return status;
+}
+
+/* Puts the corners of marked triangles back to where they were. */
+static void put_back(const struct crossing *crossing, float *xyz, const float *before)
+{
+    for (size_t t = 0; t < crossing->complex->count; t++)
+        for (size_t c = 0; c < 3 && crossing->passes[t]; c++) {
+            size_t i = crossing->complex->triangle[3 * t + c];
+
+            memcpy(&xyz[3 * i], &before[3 * i], 3 * sizeof *xyz);
+        }
+}
+
+static void drop(struct vor_complex *complex, const unsigned char *passes)
+{
+    for (size_t t = 0; t < complex->count; t++)
+        if (passes[t])
+            vor_complex_remove(complex, (uint32_t)t);
+    vor_complex_prune(complex);
+}
+
+vor_status vor_crossing_drop(struct vor_complex *complex, struct vor_seeds *seeds,
+                             const struct vor_sheet *sheet, const float *before,
+                             struct vor_error *err)
+{
+    const struct vor_run *run = &seeds->run;
+    struct crossing crossing = {.complex = complex, .sheet = sheet};
+    size_t count, last = complex->count + 1;
     vor_status status;
 
-    if (sheet->graph == NULL || !known->parted || !known->sheets || complex->count == 0)
+    if (complex->count == 0)
         return VOR_OK;
-    status = vor_knn_build(&knn, seeds->xyz, seeds->n, run->memory, err);
-    if (status != VOR_OK)
-        return status;
-    crossing.knn = knn;
-    crossing.most = seeds->n < AROUND ? (unsigned)seeds->n : AROUND;
     crossing.passes = vor_malloc(run->memory, complex->count, 1);
-    if (crossing.passes == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "%zu triangles", complex->count);
-    } else {
-        status = vor_run_rows(run, complex->count, BLOCK, cross_row, &crossing, err);
-        if (status == VOR_OK) {
-            for (size_t t = 0; t < complex->count; t++)
-                if (crossing.passes[t])
-                    vor_complex_remove(complex, (uint32_t)t);
-            vor_complex_prune(complex);
-        }
+    if (crossing.passes == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu triangles", complex->count);
+    status = mark(&crossing, &count, run, err);
+    while (status == VOR_OK && before != NULL && count > 0 && count < last) {
+        last = count;
+        put_back(&crossing, seeds->xyz, before);
+        status = mark(&crossing, &count, run, err);
     }
+    if (status == VOR_OK && count > 0)
+        drop(complex, crossing.passes);
     vor_free(run->memory, crossing.passes);
-    vor_knn_free(knn);
     return status;
 }

@@ -17,19 +17,24 @@
 #include "core/mesh/complex.h"
 
 /** Drops triangles of which an edge passes through another one near them that they share no corner
- *  with, or that an edge of such a one passes through; touching is none. Does nothing where the
- * input was not found to have sheets on most of it (input/regions.h).
+ *  with, or that an edge of such a one passes through; touching is none. For inputs found to have
+ *  sheets on most of them (input/regions.h).
+ *
+ *  Where points have moved since they passed through none, corners of such triangles are first put
+ *  back as often as fewer pass through others then: around a rim that is narrower than the spacing
+ *  the triangles are right, and it is the places that are wrong.
  *
  *  @param[in,out] complex  no point has several fans; stays so
- *  @param[in]     sheet    of its points, which may have moved since they were listed
+ *  @param[in,out] seeds    its points, which may have moved since `sheet` listed them
+ *  @param[in]     before   where they were; NULL: none has moved
  *
  *  @retval VOR_E_NOMEM     a byte a triangle and an index of the points do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for; the complex is as it was
  *
- *  O(n log n), on the run's pool but for the last step. The same triangles for any number of
- *  threads. */
-VOR_NODISCARD vor_status vor_crossing_drop(struct vor_complex *complex,
-                                           const struct vor_sheet *sheet, const struct vor_run *run,
+ *  O(n log n) for each time that points are put back, on the run's pool but for the last step. The
+ *  same triangles for any number of threads. */
+VOR_NODISCARD vor_status vor_crossing_drop(struct vor_complex *complex, struct vor_seeds *seeds,
+                                           const struct vor_sheet *sheet, const float *before,
                                            struct vor_error *err);
 
 /** A triangle that a given one passes through, at a point that is listed around a corner of it,

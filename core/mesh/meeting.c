@@ -9,7 +9,7 @@
 
 enum {
     BLOCK = 64, /* points of one task, each of which searches */
-    FEWEST = 4, /* of the VOR_ADJACENT nearest that are in no list with the seed's root */
+    FEWEST = 4, /* of the VOR_ADJACENT nearest that no lists lead to from the seed's root */
     AROUND = VOR_TWOFOLD_USUAL
 };
 
@@ -38,17 +38,38 @@ struct over {
     double spacing;       /* of one sheet */
 };
 
+static int is_listed(const struct vor_graph *graph, uint32_t i, uint32_t j)
+{
+    return vor_graph_has(graph, i, j) || vor_graph_has(graph, j, i);
+}
+
+/* Whether lists lead from a point to another, by one in each list at most: around a rim. */
+static int leads(const struct vor_graph *graph, uint32_t from, uint32_t to)
+{
+    const uint32_t *out = &graph->list[(size_t)from * graph->most];
+    const uint32_t *in = &graph->list[(size_t)to * graph->most];
+
+    if (is_listed(graph, from, to))
+        return 1;
+    for (unsigned k = 0; k < graph->count[from]; k++) {
+        if (is_listed(graph, out[k], to))
+            return 1;
+        for (unsigned m = 0; m < graph->count[to]; m++)
+            if (is_listed(graph, out[k], in[m]))
+                return 1;
+    }
+    return 0;
+}
+
 /* Whether points of another sheet are near seed i, by the lists of the input. */
 static int has_other(const struct vor_sheet *sheet, size_t i, const uint32_t index[AROUND])
 {
-    const struct vor_graph *graph = sheet->graph;
     uint32_t root = sheet->root[i];
     int other = 0;
 
-    for (int e = 0; e < VOR_ADJACENT; e++)
-        other += index[e] != root && !vor_graph_has(graph, root, index[e]) &&
-                 !vor_graph_has(graph, index[e], root);
-    return other >= FEWEST;
+    for (int e = 0; e < VOR_ADJACENT && other < FEWEST; e++)
+        other += index[e] != root && !leads(sheet->graph, root, index[e]);
+    return other == FEWEST;
 }
 
 static int fit(struct over *out, const float near[3 * AROUND], const double x[3])
@@ -129,11 +150,10 @@ vor_status vor_meeting_drop(struct vor_complex *complex, const struct vor_sheet 
                             const struct vor_run *run, struct vor_error *err)
 {
     const struct vor_seeds *seeds = sheet->seeds;
-    const struct vor_conditioning *known = &seeds->domain->known;
     struct meeting meeting = {.sheet = sheet};
     vor_status status;
 
-    if (sheet->graph == NULL || !known->parted || !known->sheets || seeds->domain->n < AROUND)
+    if (seeds->domain->n < AROUND)
         return VOR_OK;
     meeting.meets = vor_malloc(run->memory, seeds->n, 1);
     if (meeting.meets == NULL)

@@ -14,10 +14,10 @@
 #include "core/mesh/sheet.h"
 
 /** Drops triangles with a corner where two sheets are nearer to each other than VOR_MEETING_NEAR
- *  spacings of one: a seed that was fitted to one of several, beside input points in no list with
- *  its own, and around which points do not keep to one side by their place, as on a bump of one
- *  sheet. Then points keep the largest of their fans. Does nothing where the input was not found to
- *  have sheets on most of it (input/regions.h).
+ *  spacings of one: a seed that was fitted to one of several, beside input points that lists do not
+ *  lead to from its own, as around a rim, and around which points do not keep to one side by their
+ *  place, as on a bump of one sheet. Then points keep the largest of their fans. For inputs found
+ * to have sheets on most of them (input/regions.h).
  *
  *  @param[in,out] complex  no point has several fans; stays so
  *  @param[in]     sheet    of its points, which may have moved since they were listed

@@ -118,7 +118,7 @@ static vor_status attach_hanging(struct making *making, int repairs, struct vor_
  * strain alone, with all these steps, / this, eta, delta and mean quality: sphere to 5,072 .0047,
  * .0401, .9725 / .0061, .0510, .9762 / .0040, .0386, .9722; with a step more by size, armadillo
  * .0523 and .9694. With no regard to creases the quality of fandisk is .966. */
-static vor_status better(struct making *making, size_t since, int repairs, struct vor_error *err)
+static vor_status improve(struct making *making, size_t since, int repairs, struct vor_error *err)
 {
     const struct vor_recall recall = {.slack = VOR_SEEDS_SLACK, .refine = making->how->refine};
     struct vor_relax_how how = {.fixed = making->how->fixed,
@@ -160,17 +160,52 @@ static size_t count(const struct vor_complex *complex)
     return there;
 }
 
-/* Leaves out triangles where sheets meet, and then what passes through others: the wrong ones among
- * the former would take right ones with them. */
+/* Whether sheets may be nearer to each other than the spacing, on most of the input. */
+static int may_meet(const struct making *making)
+{
+    const struct vor_conditioning *known = &making->seeds->domain->known;
+
+    return making->sheet.graph != NULL && known->parted && known->sheets;
+}
+
+/* The same; what passes through others by it is undone, or left out, and is joined again. */
+static vor_status better(struct making *making, size_t since, int repairs, struct vor_error *err)
+{
+    struct vor_seeds *seeds = making->seeds;
+    struct vor_memory *memory = seeds->run.memory;
+    float *before;
+    size_t there;
+    vor_status status;
+
+    if (!may_meet(making))
+        return improve(making, since, repairs, err);
+    before = vor_malloc(memory, seeds->n, 3 * sizeof *before);
+    if (before == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
+    memcpy(before, seeds->xyz, seeds->n * 3 * sizeof *before);
+    status = improve(making, since, repairs, err);
+    there = count(&making->complex);
+    VOR_THEN(status, vor_crossing_drop(&making->complex, seeds, &making->sheet, before, err));
+    making->report->mesh_left_out = there - count(&making->complex);
+    vor_free(memory, before);
+    return status;
+}
+
+/* Leaves out triangles where sheets meet, and then what passes through others, if it was not looked
+ * for before: the wrong ones among the former would take right ones with them. */
 static vor_status leave_out(struct making *making, struct vor_error *err)
 {
     struct vor_complex *complex = &making->complex;
-    const struct vor_run *run = &making->seeds->run;
+    struct vor_seeds *seeds = making->seeds;
     size_t before = count(complex);
-    vor_status status = vor_meeting_drop(complex, &making->sheet, run, err);
+    vor_status status;
 
-    VOR_THEN(status, vor_crossing_drop(complex, &making->sheet, run, err));
-    making->report->mesh_left_out = before - count(complex);
+    if (!may_meet(making))
+        return VOR_OK;
+    status = vor_meeting_drop(complex, &making->sheet, &seeds->run, err);
+    if (!making->how->moves)
+        VOR_THEN(status, vor_crossing_drop(complex, seeds, &making->sheet, NULL, err));
+    making->report->mesh_left_out += before - count(complex);
     return status;
 }
 

@@ -92,39 +92,18 @@ static unsigned directions(const struct compare *compare, const struct vor_scrat
     return count;
 }
 
-/* Whether a direction lies to the left of a by less than the angle of FREE_COSINE. */
-static int followed(double direction[AROUND][2], unsigned count, const double a[2])
-{
-    for (unsigned j = 0; j < count; j++) {
-        const double *b = direction[j];
-
-        if (a[0] * b[1] - a[1] * b[0] > 0 && a[0] * b[0] + a[1] * b[1] > FREE_COSINE)
-            return 1;
-    }
-    return 0;
-}
-
-/* Whether the points around seed i leave one side of it free; that side points away from their
- * mean. */
+/* Whether the points around seed i leave one side of it free. */
 static int free_side(const struct compare *compare, const struct vor_scratch *scratch, size_t i,
                      double side[3])
 {
-    double direction[AROUND][2], away[2] = {0, 0}, length;
+    double direction[AROUND][2], free_to[2];
     unsigned count = directions(compare, scratch, i, direction);
-    int is_free = 0;
 
-    for (unsigned j = 0; j < count; j++) {
-        is_free |= !followed(direction, count, direction[j]);
-        away[0] -= direction[j][0];
-        away[1] -= direction[j][1];
-    }
-    length = sqrt(away[0] * away[0] + away[1] * away[1]);
-    if (!is_free || !(length > 0))
+    if (!vor_boundary_free_side(direction, count, FREE_COSINE, free_to))
         return 0;
     for (int c = 0; c < 3; c++)
-        side[c] = (away[0] * scratch->here.surface.axis[0][c] +
-                   away[1] * scratch->here.surface.axis[1][c]) /
-                  length;
+        side[c] = free_to[0] * scratch->here.surface.axis[0][c] +
+                  free_to[1] * scratch->here.surface.axis[1][c];
     return 1;
 }
 
