@@ -3,15 +3,15 @@
  *  They are moved as one rigid body first, so that they come to lie on the surface fitted to the
  *  input, then as 4, 16, 64 and more parts, each of which changes what those before it left. A
  *  part is moved only as far as its contacts with the surface show more than noise: at rest with
- *  noise of 0.2 spacings nothing moves, and results are the same to the bit (four models of 6,000
- *  points, two seeds, four frames). There are as many contacts as fits to different input points,
- *  and a part has as many as a fit has points.
+ *  noise of 0.2 spacings nothing moves, and the figures of results are the same (four models of
+ *  6,000 points, two seeds, four frames). There are as many contacts as fits to different input
+ *  points, and a part has as many as a fit has points.
  *
  *  An armadillo that turns by 3 degrees a frame and bends by 1, 100,000 points sampled afresh,
- *  second frame, without / with: 0.957 / 0.998 of the points live on, CPU 8.5 / 6.0 s; with, of
- *  those of the first of 30 frames 0.966 are left in the last one, delta at most 0.0265. 10,000
- *  points with noise of 0.2 spacings, sixth frame: 0.158 / 0.137 spacings off the surface, fandisk
- *  0.124 / 0.092, as the surface of the frame before goes along, too (seeds/former.h). Where the
+ *  second frame, without / with: 0.957 / 0.999 of the points live on, CPU 8.5 / 6.0 s; with, of
+ *  those of the first of 30 frames 0.966 are left in the last one, delta at most 0.0261. 10,000
+ *  points with noise of 0.2 spacings, sixth frame: 0.158 / 0.139 spacings off the surface, fandisk
+ *  0.124 / 0.094, as the surface of the frame before goes along, too (seeds/former.h). Where the
  *  shape does not show how it moves, as of a ball that turns, points stay.
  *
  *  Source: rigid motions by planes of contact as in align/fit.h (Chen and Medioni 1992); parts that
