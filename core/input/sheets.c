@@ -7,6 +7,9 @@
 
 enum {
     BLOCK = 4, /* places of one task */
+    /* Points around a place. At 25 / 50 / 100 shell (geom/layers.c) is 7.3e-4 / 7.4e-4 / 12.4e-4:
+     * 100 points of it bend too much. */
+    AROUND = 50,
     /* Places nearest to one, itself with them, that say together whether fits there look for
      * layers: if ten of them have some. With nine / ten / twelve, and of all or none by LEAST, an
      * office of 254,456 points, scanned in steps of depth that lie as layers do, takes 7.9 / 5.1 /
@@ -28,8 +31,7 @@ enum { WIDE_LEAST = 75, WIDE_MAX = VOR_NEIGHBORS_MAX };
 
 /* Times the neighbours of a fit that are searched for layers: enough for a fit to each of two
  * sheets. At 1.5 / 2.25 / 4: shell 7.3e-4 / 7.4e-4 / 6.8e-4, but at 4 the squares get 150
- * neighbours. At places that say whether there are layers, times the fewest: at 100 points there,
- * which bend too much, shell is 12.4e-4. */
+ * neighbours. */
 #define WIDE 2.25
 
 /* Attempts, in order, until one finds layers: among that share of the nearest points, of which
@@ -203,8 +205,8 @@ static void survey_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
 {
     struct survey *survey = ctx;
     const struct vor_domain *domain = survey->domain;
-    unsigned k = vor_domain_most(domain, (unsigned)(WIDE * VOR_NEIGHBORS_FEWEST));
-    float near[3 * VOR_NEIGHBORS_MAX];
+    unsigned k = vor_domain_most(domain, AROUND);
+    float near[3 * AROUND];
     struct vor_surface surface;
     struct vor_layers layers;
 

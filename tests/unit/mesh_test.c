@@ -155,26 +155,29 @@ VT_TEST_FIGURES(a_tetrahedron_is_closed_and_faces_outward, VT_SOAK_LOOPS(4, 20))
     vor_cloud_free(&in);
 }
 
-/* A bowl of radius 1 whose wall is 1.55 spacings of its points thick. Of eight draws 4 are closed,
- * 4 have up to 7 open edges; 15 to 88 with lists everywhere. */
-VT_TEST_FIGURES(a_bowl_of_a_thin_wall_is_all_but_closed, VT_SOAK_LOOPS(2, 8))
+/* A bowl of radius 1 whose wall is 1.55 spacings of its points thick. From four times as many
+ * points (even cases) all of eight draws are closed. From as many, those of the three draws whose
+ * faces are parted have 24, 0 and 24 open edges; 115 to 125 where lists do not go around the rim.
+ */
+VT_TEST_FIGURES(a_bowl_of_a_thin_wall_is_all_but_closed, VT_SOAK_LOOPS(2, 6))
 {
+    static const uint64_t draws[] = {0, 3, 4};
+    const uint64_t draw = draws[_i / 2];
     const double w = 0.126, in2 = (1 - w) * (1 - w), rim = M_PI * w / 2 * (1 - w / 2);
     struct vor_cloud in;
     struct vt_meshed meshed;
 
-    vt_cloud_make(&in, 8000);
+    vt_cloud_make(&in, _i % 2 == 0 ? 8000 : 2000);
     for (size_t i = 0; i < in.n; i++) {
-        double u = vt_unit((uint64_t)_i, 3 * i) * (1 + in2 + rim), r = u < 1 ? 1 : 1 - w;
-        double t = vt_unit((uint64_t)_i, 3 * i + 1),
-               way = 2 * M_PI * vt_unit((uint64_t)_i, 3 * i + 2);
+        double u = vt_unit(draw, 3 * i) * (1 + in2 + rim), r = u < 1 ? 1 : 1 - w;
+        double t = vt_unit(draw, 3 * i + 1), way = 2 * M_PI * vt_unit(draw, 3 * i + 2);
         double up = u > 1 + in2 ? w / 2 * sin(M_PI * t) : -r * t;
         double out = u > 1 + in2 ? 1 - w / 2 + w / 2 * cos(M_PI * t) : sqrt(r * r - up * up);
 
         vor_to_floats(&in.xyz[3 * i], (double[]){out * cos(way), out * sin(way), up});
     }
     mesh_of(&meshed, &in, 2000);
-    ck_assert_uint_le(open_edges(&meshed.mesh), 8);
+    ck_assert_uint_le(open_edges(&meshed.mesh), _i % 2 == 0 ? 8 : 40);
     vt_meshed_free(&meshed);
     vor_cloud_free(&in);
 }
