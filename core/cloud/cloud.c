@@ -76,6 +76,73 @@ int vor_attribute_is_packed(const struct vor_attribute *attribute)
     return 1;
 }
 
+static size_t size_of(const struct vor_attribute *attribute)
+{
+    return attribute->components * vor_type_size(attribute->type);
+}
+
+static void store(void *data, enum vor_type type, size_t at, double value)
+{
+    switch (type) {
+#define STORE_CASE(id, ctype, ply, sized)                                                          \
+    case VOR_##id:                                                                                 \
+        ((ctype *)data)[at] = (ctype)value;                                                        \
+        break;
+        VOR_TYPE_TABLE(STORE_CASE)
+#undef STORE_CASE
+    case VOR_TYPE_COUNT:
+        break;
+    }
+}
+
+static int is_real(const struct vor_attribute *attribute)
+{
+    return attribute->type == VOR_FLOAT32 || attribute->type == VOR_FLOAT64;
+}
+
+/* The mean of values; false where there is none that makes sense. */
+static int find_mean(double value[16], const struct vor_attribute *from, const struct vor_mix *mix)
+{
+    double square = 0;
+
+    if (vor_attribute_is_packed(from))
+        return 0;
+    if (!is_real(from) && (from->semantic != VOR_COLOR || vor_type_size(from->type) > 4))
+        return 0;
+    for (unsigned c = 0; c < from->components; c++) {
+        value[c] = 0;
+        for (unsigned k = 0; k < mix->count; k++)
+            value[c] += mix->weight[k] *
+                        vor_attribute_scalar(from, (size_t)mix->point[k] * from->components + c);
+        square += value[c] * value[c];
+        if (!is_real(from))
+            value[c] = rint(value[c]);
+    }
+    if (from->semantic != VOR_NORMAL || !isfinite(square))
+        return isfinite(square);
+    for (unsigned c = 0; square > 0 && c < from->components; c++)
+        value[c] /= sqrt(square);
+    return square > 0;
+}
+
+void vor_attribute_mix(struct vor_attribute *to, size_t i, const struct vor_attribute *from,
+                       const struct vor_mix *mix)
+{
+    size_t size = size_of(from);
+    unsigned most = 0;
+    double value[16];
+
+    if (find_mean(value, from, mix)) {
+        for (unsigned c = 0; c < from->components; c++)
+            store(to->data, to->type, i * to->components + c, value[c]);
+        return;
+    }
+    for (unsigned k = 1; k < mix->count; k++)
+        if (mix->weight[k] > mix->weight[most])
+            most = k;
+    memcpy((char *)to->data + i * size, (const char *)from->data + mix->point[most] * size, size);
+}
+
 void vor_cloud_init(struct vor_cloud *cloud, struct vor_memory *memory)
 {
     memset(cloud, 0, sizeof *cloud);
@@ -299,11 +366,6 @@ static void reorder_column(void *data, size_t size, const uint32_t *order, size_
     for (size_t k = 0; k < n; k++)
         memcpy((char *)scratch + k * size, (const char *)data + order[k] * size, size);
     memcpy(data, scratch, n * size);
-}
-
-static size_t size_of(const struct vor_attribute *attribute)
-{
-    return attribute->components * vor_type_size(attribute->type);
 }
 
 vor_status vor_cloud_copy_attribute(struct vor_cloud *cloud, const struct vor_attribute *from,

@@ -70,6 +70,19 @@ struct vor_attribute {
  *  type. 64-bit integers beyond 2^53 are rounded. */
 double vor_attribute_scalar(const struct vor_attribute *attribute, size_t at);
 
+/** Points whose values are mixed into one. */
+struct vor_mix {
+    const uint32_t *point; /**< count >= 1 */
+    const double *weight;  /**< of each; their sum is 1 */
+    unsigned count;
+};
+
+/** Sets value i of `to` to the mean of values of `from`, an attribute like it. Colours are rounded,
+ *  normals get length 1. Values of which there is no mean that makes sense, such as whole numbers
+ *  that are no colours, are those of the point with the largest weight. */
+void vor_attribute_mix(struct vor_attribute *to, size_t i, const struct vor_attribute *from,
+                       const struct vor_mix *mix);
+
 /** True where a float holds the bytes of a colour, as the Point Cloud Library has it: one float32
  *  called rgb or rgba, in any case. Such numbers are copied; they cannot be rounded or averaged. */
 int vor_attribute_is_packed(const struct vor_attribute *attribute);

@@ -101,77 +101,11 @@ static void place_in(double weight[3], uint64_t index, unsigned depth, uint64_t 
         weight[c] = (1 - u - v) * at[0][c] + u * at[1][c] + v * at[2][c];
 }
 
-static unsigned nearest_corner(const struct draw *draw)
-{
-    unsigned most = 0;
-
-    for (unsigned k = 1; k < 3; k++)
-        if (draw->weight[k] > draw->weight[most])
-            most = k;
-    return most;
-}
-
-static void store(void *data, enum vor_type type, size_t at, double value)
-{
-    switch (type) {
-#define STORE_CASE(id, ctype, ply, sized)                                                          \
-    case VOR_##id:                                                                                 \
-        ((ctype *)data)[at] = (ctype)value;                                                        \
-        break;
-        VOR_TYPE_TABLE(STORE_CASE)
-#undef STORE_CASE
-    case VOR_TYPE_COUNT:
-        break;
-    }
-}
-
-static int is_real(const struct vor_attribute *attribute)
-{
-    return attribute->type == VOR_FLOAT32 || attribute->type == VOR_FLOAT64;
-}
-
-/* A value between those of the corners; false where there is none that makes sense. */
-static int interpolate(double value[16], const struct vor_attribute *from, const struct draw *draw)
-{
-    double square = 0;
-
-    if (vor_attribute_is_packed(from))
-        return 0;
-    if (!is_real(from) && (from->semantic != VOR_COLOR || vor_type_size(from->type) > 4))
-        return 0;
-    for (unsigned c = 0; c < from->components; c++) {
-        value[c] = 0;
-        for (int k = 0; k < 3; k++)
-            value[c] += draw->weight[k] *
-                        vor_attribute_scalar(from, (size_t)draw->corner[k] * from->components + c);
-        square += value[c] * value[c];
-        if (!is_real(from))
-            value[c] = rint(value[c]);
-    }
-    if (from->semantic != VOR_NORMAL || !isfinite(square))
-        return isfinite(square);
-    for (unsigned c = 0; square > 0 && c < from->components; c++)
-        value[c] /= sqrt(square);
-    return square > 0;
-}
-
-static void set_value(struct vor_attribute *to, size_t i, const struct vor_attribute *from,
-                      const struct draw *draw)
-{
-    size_t size = from->components * vor_type_size(from->type);
-    double value[16];
-
-    if (interpolate(value, from, draw))
-        for (unsigned c = 0; c < from->components; c++)
-            store(to->data, to->type, i * to->components + c, value[c]);
-    else
-        memcpy((char *)to->data + i * size,
-               (const char *)from->data + draw->corner[nearest_corner(draw)] * size, size);
-}
-
 static void set_point(struct vor_cloud *out, size_t i, const struct vor_cloud *in,
                       const struct draw *draw)
 {
+    const struct vor_mix mix = {draw->corner, draw->weight, 3};
+
     for (size_t c = 0; c < 3; c++) {
         double sum = 0;
 
@@ -180,7 +114,7 @@ static void set_point(struct vor_cloud *out, size_t i, const struct vor_cloud *i
         out->xyz[3 * i + c] = (float)sum;
     }
     for (size_t a = 0; a < in->attribute_count; a++)
-        set_value(&out->attributes[a], i, &in->attributes[a], draw);
+        vor_attribute_mix(&out->attributes[a], i, &in->attributes[a], &mix);
 }
 
 static void draw_from(struct vor_cloud *out, size_t first, size_t last, const struct vor_cloud *in,

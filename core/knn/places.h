@@ -1,4 +1,4 @@
-/** Points by the place that they are in, where many share one. Behind knn.h only. */
+/** Points by the place that they are in, where many share one. */
 #ifndef VOR_KNN_PLACES_H
 #define VOR_KNN_PLACES_H
 

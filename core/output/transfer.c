@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/input/carried.h"
+#include "core/output/blend.h"
 
 #include <float.h>
 #include <math.h>
@@ -160,7 +161,7 @@ vor_status vor_transfer_attributes(struct vor_cloud *out, const struct vor_cloud
                                    const struct vor_spec *spec, struct vor_error *err)
 {
     int keep_normals = spec->value[VOR_PARAM_NORMALS] == VOR_NORMALS_NEAREST && normal == NULL;
-    int keep_others = spec->value[VOR_PARAM_ATTRIBUTES] == VOR_ATTRIBUTES_NEAREST;
+    int keep_others = spec->value[VOR_PARAM_ATTRIBUTES] != VOR_ATTRIBUTES_DROP;
     struct vor_attribute *to;
     vor_status status = VOR_OK;
 
@@ -255,6 +256,8 @@ vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struc
     VOR_THEN(status, add_track(&cloud, seeds, err));
     VOR_THEN(status, vor_transfer_attributes(&cloud, in, transfer.nearest, transfer.normal,
                                              how->spec, err));
+    if (how->spec->value[VOR_PARAM_ATTRIBUTES] == VOR_ATTRIBUTES_BLEND)
+        VOR_THEN(status, vor_blend(&cloud, transfer.kept, in, seeds, err));
     if (status != VOR_OK)
         goto done;
     *out = cloud;

@@ -1,5 +1,5 @@
 /** Makes a cloud of seeds: positions in the input's frame, attributes from the nearest input point
- *  (Xiao et al. 2024, Sec. V, does so for colours), normals. */
+ *  (Xiao et al. 2024, Sec. V, does so for colours) or colours of several, normals. */
 #ifndef VOR_OUTPUT_TRANSFER_H
 #define VOR_OUTPUT_TRANSFER_H
 

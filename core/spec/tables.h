@@ -20,8 +20,7 @@ enum vor_form {
     VOR_FORM_FLAG,   /**< true or false; 1 or 0 */
     VOR_FORM_TEXT,   /**< UTF-8 without control characters; the value is 1 */
     VOR_FORM_LIST,   /**< some of the words, or "none"; bit i of the value is word i */
-    VOR_FORM_COUNTS, /**< whole numbers, each once; the value is VOR_COUNTS, they stand in the text
-                      */
+    VOR_FORM_COUNTS, /**< whole numbers, each once; the value is VOR_COUNTS; they are in the text */
     VOR_FORM_AUTO,   /**< the word auto; the value is VOR_UNSET */
     VOR_FORM_NONE    /**< of a value that is not given; also the number of forms */
 };
@@ -333,9 +332,11 @@ enum vor_method_choice {
       "point with whole-number coordinates near the middle of the input; X,Y,Z: this point; "      \
       "auto: like origin=relative if float32 is too coarse for the coordinates of the input, "     \
       "otherwise like origin=absolute")                                                            \
-    X(ATTRIBUTES, attributes, CHOICE, OUTPUT, "", 0, 0, VOR_ATTRIBUTES_NEAREST, "nearest drop",    \
+    X(ATTRIBUTES, attributes, CHOICE, OUTPUT, "", 0, 0, VOR_ATTRIBUTES_NEAREST,                    \
+      "nearest blend drop",                                                                        \
       "Attributes of the result. nearest: each point has the attributes of the nearest input "     \
-      "point; drop: the result has only positions")                                                \
+      "point; blend: likewise, but colours are the mean of those of six input points around the "  \
+      "point, weighted by 1/distance^2; drop: the result has only positions")                      \
     X(NORMALS, normals, CHOICE, OUTPUT, "", 0, 0, VOR_NORMALS_NEAREST,                             \
       "nearest oriented fit drop",                                                                 \
       "Normals of the result. nearest: copied from the nearest input point; oriented: copied "     \
@@ -402,7 +403,7 @@ enum { VOR_INVALID_REFUSE, VOR_INVALID_DROP };
 enum { VOR_ORDER_SPATIAL, VOR_ORDER_PROGRESSIVE };
 enum { VOR_FORMAT_PLY, VOR_FORMAT_DRC };
 enum { VOR_ORIGIN_AUTO, VOR_ORIGIN_ABSOLUTE, VOR_ORIGIN_RELATIVE };
-enum { VOR_ATTRIBUTES_NEAREST, VOR_ATTRIBUTES_DROP };
+enum { VOR_ATTRIBUTES_NEAREST, VOR_ATTRIBUTES_BLEND, VOR_ATTRIBUTES_DROP };
 enum { VOR_SIGMA_P_AUTO, VOR_SIGMA_P_PAPER }; /* words of the number sigmaP */
 enum { VOR_PHASES_BOTH, VOR_PHASES_RESAMPLE, VOR_PHASES_INSERT };
 enum { VOR_GAPS_KEEP, VOR_GAPS_FILL };
@@ -416,8 +417,7 @@ struct vor_parameter_info {
     enum vor_kind kind;
     enum vor_group group;
     const char *unit;    /**< "" for none */
-    double min, max;     /**< inclusive: of a number, also in a vector, or of the bytes of a text or
-                              a name */
+    double min, max;     /**< inclusive: of a number, also in a vector, or of a text's bytes */
     double fallback;     /**< default */
     const char *choices; /**< words with blanks between; "" for none */
     const char *sentence;
@@ -438,8 +438,7 @@ struct vor_artefact_info {
 #define VOR_INPUTS_MAX 4
 #define VOR_OUTPUTS_MAX 4
 
-/** Lists of inputs and of outputs, the main one first. A list stands in parentheses, so that its
- *  commas do not separate columns of a row. */
+/** Lists of inputs and of outputs, the main one first; in parentheses, as they have commas. */
 #define VOR_LIST(...)                                                                              \
     {                                                                                              \
         __VA_ARGS__                                                                                \
@@ -539,6 +538,7 @@ struct vor_artefact_info {
     X(UPSAMPLE, RATIO, 4)                                                                          \
     X(UPSAMPLE, ITERATIONS, 1)                                                                     \
     X(UPSAMPLE, POLISH, 12)                                                                        \
+    X(UPSAMPLE, ATTRIBUTES, VOR_ATTRIBUTES_BLEND)                                                  \
     X(MESH, POLISH, 120)                                                                           \
     VOR_EXTRA_PRESETS(X)
 

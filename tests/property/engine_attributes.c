@@ -89,23 +89,36 @@ VT_TEST_FIGURES(every_attribute_comes_from_the_nearest_input_point, VT_ONCE(SEED
     vt_free_last(&out, &in);
 }
 
-/* Every place twice: the attributes are those of the first of the two. */
-VT_TEST_FIGURES(of_coincident_input_points_the_first_gives_the_attributes, VT_ONCE(SEEDS))
+/* Every place twice, with colours that go evenly from pole to pole, those of the first 40 more than
+ * those of the second. The attributes are those of the first, but blended colours those of both. */
+VT_TEST_FIGURES(of_coincident_input_points_the_first_gives_the_attributes, VT_ONCE(2 * SEEDS))
 {
+    int blend = _i % 2;
+    double mean = 0;
     struct vor_cloud in, out;
-    const struct vor_attribute *label;
+    const struct vor_attribute *label, *color;
 
     vt_cloud_sphere(&in, (uint64_t)_i, N);
     memcpy(&in.xyz[3 * (N / 2)], in.xyz, 3 * (N / 2) * sizeof *in.xyz);
     add_attributes(&in, (uint64_t)_i);
-    for (size_t i = 0; i < N; i++)
+    for (size_t i = 0; i < N; i++) {
         ((int32_t *)in.attributes[3].data)[i] = i < N / 2 ? 1 : 2;
-    run(&out, &in, (uint64_t)_i, "nearest", "nearest");
+        for (size_t c = 0; c < 3; c++)
+            ((uint8_t *)in.attributes[0].data)[3 * i + c] =
+                (uint8_t)(lrintf(100 * in.xyz[3 * i + c]) + (i < N / 2 ? 148 : 108));
+    }
+    run(&out, &in, (uint64_t)_i, blend ? "blend" : "nearest", "nearest");
     label = vor_cloud_find_name(&out, "label");
-    for (size_t i = 0; i < OUT; i++)
-        ck_assert_int_eq(((const int32_t *)label->data)[i], 1);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
+    color = vor_cloud_find_name(&out, "color");
+    for (size_t i = 0; i < 3 * OUT; i++) {
+        double off = vor_attribute_scalar(color, i) - 100 * (double)out.xyz[i];
+
+        ck_assert_int_eq(((const int32_t *)label->data)[i / 3], 1);
+        ck_assert_double_eq_tol(off, blend ? 128 : 148, 30);
+        mean += off / (3 * OUT);
+    }
+    ck_assert_double_eq_tol(mean, blend ? 128 : 148, 1);
+    vt_free_last(&out, &in);
 }
 
 VT_TEST_FIGURES(dropped_attributes_are_gone, 0)

@@ -63,7 +63,7 @@ static const struct {
 } presets[] = {{"denoise", "ratio", "1"},       {"denoise", "outliers", "drop"},
                {"inspect", "outliers", "drop"}, {"upsample", "ratio", "4"},
                {"upsample", "iterations", "1"}, {"upsample", "polish", "12"},
-               {"mesh", "polish", "120"}};
+               {"mesh", "polish", "120"},       {"upsample", "attributes", "blend"}};
 
 enum { PRESETS = sizeof presets / sizeof presets[0] };
 
