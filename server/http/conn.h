@@ -22,4 +22,7 @@ struct vor_conn;
 
 struct vor_conn_guard;
 
+/** True when the client has sent bytes that nobody has read yet. */
+bool vor_conn_has_unread(const struct vor_conn *conn);
+
 #endif

@@ -138,6 +138,14 @@ void vor_conn_phase(struct vor_conn *conn, enum vor_phase phase)
     unlock(conn->guard);
 }
 
+void vor_conn_watch(struct vor_conn *conn)
+{
+    struct epoll_event events = {.events = EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET,
+                                 .data.ptr = conn};
+
+    (void)epoll_ctl(conn->guard->departures, EPOLL_CTL_MOD, conn->fd, &events);
+}
+
 void vor_conn_received(struct vor_conn *conn, size_t bytes)
 {
     if (conn == NULL)
@@ -236,12 +244,15 @@ static void note_departures(struct vor_conn_guard *guard)
         n = epoll_wait(guard->departures, events, DEPARTURES, 0);
         for (int i = 0; i < n; i++) {
             struct vor_conn *conn = events[i].data.ptr;
+            bool leaves = (events[i].events & (EPOLLRDHUP | EPOLLHUP | EPOLLERR)) != 0;
 
-            conn->has_left = true;
-            if (!conn->is_waiting || conn->waker == NULL)
+            conn->has_left |= leaves;
+            if (conn->waker == NULL || (leaves && !conn->is_waiting))
                 continue;
-            conn->is_waiting = false;
-            vor_waker_gone(conn->waker);
+            if (leaves) {
+                conn->is_waiting = false;
+                vor_waker_gone(conn->waker);
+            }
             vor_conn_set_due(conn);
         }
     } while (n == DEPARTURES);

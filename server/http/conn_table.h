@@ -91,9 +91,6 @@ void vor_conn_move(struct vor_conn *conn, int queue);
 unsigned vor_conns_open(const struct vor_conn_guard *guard);
 unsigned vor_conns_busy(const struct vor_conn_guard *guard);
 
-/** True when the client has sent bytes that nobody has read yet. */
-bool vor_conn_has_unread(const struct vor_conn *conn);
-
 /** Shuts a connection down; the library closes it soon. Tells the client why when its body is late.
  */
 void vor_conn_close(struct vor_conn *conn, bool is_late);

@@ -217,8 +217,13 @@ struct vor_request {
     enum vor_request_stage stage;
     struct vor_address from; /**< of the connection */
     struct vor_body_sink sink;
+    bool (*waits)(void *ctx); /**< NULL: the reply does not begin before the body is in */
     uint64_t limit;
-    bool whole; /**< the body was taken and is in */
+    bool whole;    /**< the body was taken and is in */
+    bool is_held;  /**< the first byte of the next piece was taken before */
+    bool is_ended; /**< the last piece of an early reply is made */
+    char *early;   /**< what is sent next of a reply that began before; NULL: it has not */
+    size_t early_size, early_at;
     void (*release)(void *state);
     struct vor_reply reply;
 };
@@ -264,6 +269,12 @@ int vor_request_condition(const struct vor_request *request, const char *etag);
 void vor_request_take_body(struct vor_request *request, const struct vor_body_sink *sink,
                            uint64_t limit);
 
+/** Lets the reply begin while the body arrives: write of the sink may call vor_reply_stream, and is
+ *  called without bytes when the request is woken while waits is true. Not all clients and proxies
+ *  go on sending once a reply has begun. What ends such a request before the body is in cuts the
+ *  reply. Call after vor_request_take_body. False, and nothing of that: HTTP/1.0. */
+bool vor_request_reply_early(struct vor_request *request, bool (*waits)(void *ctx));
+
 /* --- waiting ---------------------------------------------------------------------------------- */
 
 /** What another thread holds to call a waiting request back. It outlives the request: waking one
@@ -292,9 +303,10 @@ void vor_reply_file(struct vor_request *request, int http, const char *media_typ
 
 /** A stream of so many bytes, or of VOR_LENGTH_UNKNOWN. read fills up to size bytes and returns how
  *  many; 0: nothing yet (it is asked again once a waker wakes the request), -1: the end, which cuts
- *  a reply whose length is known. It runs on an HTTP thread and must not block; the request's state
- *  is alive throughout. */
+ *  a reply whose length is known; VOR_STREAM_CUT cuts any. It runs on an HTTP thread and must not
+ *  block; the request's state is alive throughout. */
 #define VOR_LENGTH_UNKNOWN UINT64_MAX
+enum { VOR_STREAM_CUT = -2 };
 void vor_reply_stream(struct vor_request *request, int http, const char *media_type,
                       uint64_t length,
                       long (*read)(struct vor_request *request, char *out, size_t size));

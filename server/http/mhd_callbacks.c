@@ -8,11 +8,16 @@
 #include "server/http/state.h"
 #include "server/http/waker.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 
-enum { STREAM_BLOCK = 1024 /* bytes of a reply in HTTP/1.0 at a time; held for its whole life */ };
+enum {
+    STREAM_BLOCK = 1024, /* bytes of a reply in HTTP/1.0 at a time; held for its whole life */
+    EARLY_ROOM = 16384,  /* bytes of a reply that began before the body was in, at a time */
+    EARLY_HEAD = 8       /* before them: their number, of six digits, in a line */
+};
 
 /* Suspends the request; false when it should go on at once, because it was woken already or the
  * daemon closes. A request that stays is not woken when its peer leaves. Closing sets its flag
@@ -45,7 +50,7 @@ static ssize_t read_stream(struct vor_request *request, char *out, size_t size)
             return got;
         }
         if (got < 0)
-            return end;
+            return got == VOR_STREAM_CUT ? MHD_CONTENT_READER_END_WITH_ERROR : end;
         if (vor_request_gone(request))
             return MHD_CONTENT_READER_END_WITH_ERROR;
         /* Gives back what the library has cleared of the connection's memory. It reads a head into
@@ -108,6 +113,76 @@ static struct MHD_Response *make_response(struct vor_request *request)
     return response;
 }
 
+static ssize_t send_raw(const struct vor_request *request, const char *bytes, size_t size)
+{
+    const union MHD_ConnectionInfo *info =
+        vor_mhd->get_connection_info(request->connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+
+    return send(info->connect_fd, bytes, size, MSG_DONTWAIT | MSG_NOSIGNAL);
+}
+
+/* Sends what there is of a reply that begins while the body arrives. False once it is over. */
+static bool send_early(struct vor_request *request)
+{
+    if (request->early == NULL) {
+        char *head = vor_reply_raw(request);
+
+        if (head == NULL)
+            return false;
+        request->early_size = strlen(head);
+        request->early = realloc(head, request->early_size + EARLY_HEAD + EARLY_ROOM);
+        if (request->early == NULL) {
+            free(head);
+            return false;
+        }
+        vor_conn_late(request->conn, NULL);
+        vor_conn_linger(request->conn);
+    }
+    for (;;) {
+        char *piece = request->early + EARLY_HEAD;
+        char head[EARLY_HEAD + 1];
+        ssize_t sent = send_raw(request, request->early + request->early_at,
+                                request->early_size - request->early_at);
+        unsigned size;
+        long got;
+
+        if (sent < 0)
+            return errno == EAGAIN;
+        request->early_at += (size_t)sent;
+        if (request->early_at < request->early_size)
+            continue;
+        if (request->is_ended)
+            return false;
+        got = request->reply.read(request, piece, EARLY_ROOM - 2);
+        if (got == 0 || got == VOR_STREAM_CUT)
+            return got == 0;
+        request->is_ended = got < 0;
+        size = got < 0 ? 0 : (unsigned)got & 0xffffffu;
+        request->sent += size;
+        (void)snprintf(head, sizeof head, "%06x\r\n", size);
+        memcpy(request->early, head, EARLY_HEAD);
+        piece[size] = '\r';
+        piece[size + 1] = '\n';
+        request->early_size = EARLY_HEAD + size + 2;
+        request->early_at = 0;
+    }
+}
+
+/* Sends the rest of such a reply. The library has none, so the connection is dropped then. */
+static enum MHD_Result finish_early(struct vor_request *request)
+{
+    request->stage = VOR_AT_REPLIED;
+    vor_conn_wait(request->conn, false);
+    vor_conn_phase(request->conn, VOR_PHASE_STREAM);
+    while (send_early(request)) {
+        if (request_sleep(request, false))
+            return MHD_YES;
+        if (vor_request_closing(request) || vor_request_gone(request))
+            break;
+    }
+    return MHD_NO;
+}
+
 static enum MHD_Result queue_reply(struct vor_request *request)
 {
     bool early = request->length != 0 && !request->whole;
@@ -118,6 +193,8 @@ static enum MHD_Result queue_reply(struct vor_request *request)
                                        "no ETag in If-Match is the current one", 0, 0};
     int http = 200;
 
+    if (request->early != NULL)
+        return finish_early(request);
     /* Makes of a reply of 200 that has an ETag what the conditions of the request leave of it. */
     for (unsigned i = 0; reply->http == 200 && i < reply->field_count; i++)
         if (strcmp(reply->fields[i].name, "ETag") == 0)
@@ -159,16 +236,14 @@ static void refuse(struct vor_request *request, const struct vor_refusal *refusa
     request->reply.close = true;
 }
 
-/* Ends a request whose reply is recorded. The library takes no reply while a body arrives: we write
- * it ourselves, then drop the connection. */
+/* Ends a request whose reply is recorded, or has begun, which cuts it. The library takes no reply
+ * while a body arrives: we write it ourselves, then drop the connection. */
 static enum MHD_Result abort_body(struct vor_request *request)
 {
-    const union MHD_ConnectionInfo *info =
-        vor_mhd->get_connection_info(request->connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-    char *raw = vor_reply_raw(request);
+    char *raw = request->reply.kind == VOR_REPLY_BYTES ? vor_reply_raw(request) : NULL;
 
-    if (raw != NULL && info != NULL)
-        (void)send(info->connect_fd, raw, strlen(raw), MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (raw != NULL)
+        (void)send_raw(request, raw, strlen(raw));
     free(raw);
     vor_conn_linger(request->conn);
     request->stage = VOR_AT_REPLIED;
@@ -277,32 +352,60 @@ static const char *check_head(struct vor_request *request, const char **detail)
     return "malformed-request";
 }
 
+/* Ends a request while its body arrives; refusal may be NULL: a reply is recorded, or none is due.
+ */
+static enum MHD_Result end_body(struct vor_request *request, const struct vor_refusal *refusal)
+{
+    if (refusal != NULL && request->reply.kind == VOR_REPLY_NONE)
+        refuse(request, refusal);
+    return abort_body(request);
+}
+
+/* Takes a piece of the body. Where the reply may begin before the body is in, and has something to
+ * wait for, the request sleeps once no more bytes are there. The library calls for one that was
+ * awake only when it has bytes, so the last is left with it, although it is taken. */
 static enum MHD_Result take_piece(struct vor_request *request, const char *bytes, size_t *size)
 {
     struct vor_refusal refusal;
     char detail[128];
-    int http;
+    size_t fresh = *size;
 
     if (request->stage != VOR_AT_BODY) {
         *size = 0;
         return MHD_YES;
     }
-    request->received += *size;
-    vor_conn_received(request->conn, *size);
+    if (request->is_held) {
+        bytes++;
+        fresh--;
+        vor_conn_wait(request->conn, false);
+    }
+    request->is_held = false;
+    request->received += fresh;
+    vor_conn_received(request->conn, fresh);
     if (request->received > request->limit) {
         vor_refusal_excess(detail, sizeof detail, &refusal, request->limit, request->limit);
-        refuse(request, &refusal);
-        return abort_body(request);
+        return end_body(request, &refusal);
     }
-    http = request->sink.write(request->sink.ctx, bytes, *size);
-    if (http > 0) {
-        vor_refusal_sink(&refusal, http);
-        refuse(request, &refusal);
-    }
-    if (http != 0)
-        return abort_body(request);
-    *size = 0;
-    return MHD_YES;
+    do {
+        int http = request->sink.write(request->sink.ctx, bytes, fresh);
+        bool waits = false;
+
+        fresh = 0;
+        if (http > 0)
+            vor_refusal_sink(&refusal, http);
+        if (http != 0 || (request->reply.kind == VOR_REPLY_STREAM && !send_early(request)))
+            return end_body(request, http > 0 ? &refusal : NULL);
+        if (request->waits != NULL) {
+            waits = request->waits(request->sink.ctx) || request->early_at < request->early_size;
+            vor_conn_phase(request->conn, waits ? VOR_PHASE_STREAM : VOR_PHASE_BODY);
+        }
+        *size = 0;
+        if (!waits || vor_conn_has_unread(request->conn))
+            return MHD_YES;
+        *size = 1;
+        request->is_held = request_sleep(request, false);
+    } while (!request->is_held && !vor_request_closing(request) && !vor_request_gone(request));
+    return request->is_held ? MHD_YES : end_body(request, NULL);
 }
 
 /* One call of the library: the head, a piece of the body, or whatever comes next. */
@@ -351,8 +454,9 @@ static enum MHD_Result take_turn(struct vor_request *request, const char *method
     case VOR_AT_WAIT:
         vor_conn_wait(request->conn, false);
         return run(request, VOR_STEP_WAKE);
-    case VOR_AT_NEW:
     case VOR_AT_REPLIED:
+        return request->early != NULL ? finish_early(request) : MHD_YES;
+    case VOR_AT_NEW:
         break;
     }
     return MHD_YES;
@@ -364,6 +468,7 @@ static void request_free(struct vor_request *request)
         request->release(request->state);
     vor_reply_clear(request, 0);
     vor_waker_drop(request->waker);
+    free(request->early);
     free(request->target);
     free(request);
 }

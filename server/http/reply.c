@@ -101,14 +101,18 @@ char *vor_reply_raw(const struct vor_request *request)
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
 
-    assert(reply->kind == VOR_REPLY_BYTES);
+    assert(reply->kind == VOR_REPLY_BYTES || reply->kind == VOR_REPLY_STREAM);
     if (out == NULL)
         return NULL;
     vor_clock_http_date(date);
-    (void)fprintf(out, "HTTP/1.1 %d Refused\r\nDate: %s\r\n", reply->http, date);
+    (void)fprintf(out, "HTTP/1.1 %d %s\r\nDate: %s\r\n", reply->http,
+                  reply->kind == VOR_REPLY_STREAM ? "OK" : "Refused", date);
     (void)fputs("Connection: close\r\nX-Content-Type-Options: nosniff\r\n", out);
-    (void)fprintf(out, "Content-Length: %" PRIu64 "\r\nX-Request-Id: %s\r\n", reply->size,
-                  request->id);
+    if (reply->kind == VOR_REPLY_STREAM)
+        (void)fputs("Transfer-Encoding: chunked\r\n", out);
+    else
+        (void)fprintf(out, "Content-Length: %" PRIu64 "\r\n", reply->size);
+    (void)fprintf(out, "X-Request-Id: %s\r\n", request->id);
     if (reply->media_type != NULL)
         (void)fprintf(out, "Content-Type: %s\r\n", reply->media_type);
     for (unsigned i = 0; i < reply->field_count; i++)

@@ -52,6 +52,15 @@ void vor_request_take_body(struct vor_request *request, const struct vor_body_si
     request->limit = limit;
 }
 
+bool vor_request_reply_early(struct vor_request *request, bool (*waits)(void *ctx))
+{
+    if (request->conn == NULL || strcmp(request->head.version, "HTTP/1.1") != 0)
+        return false;
+    request->waits = waits;
+    vor_conn_watch(request->conn);
+    return true;
+}
+
 int vor_request_gone(const struct vor_request *request)
 {
     return vor_waker_is_gone(request->waker);

@@ -16,9 +16,7 @@ my $navigation = 'text/html,application/xhtml+xml,application/xml;q=0.9,*/*;q=0.
 
 # A daemon that wants a key, to see what comes without one.
 my $dir = tempdir(CLEANUP => 1);
-open my $keys, '>', "$dir/keys" or die $!;
-print $keys 'somebody:read:' . sha256_hex('a key of somebody') . "\n";
-close $keys or die $!;
+spew("$dir/keys", 'somebody:read:' . sha256_hex('a key of somebody') . "\n");
 my $daemon = Vt->start('api-keys' => "$dir/keys");
 
 my $landing = $daemon->get('/');

@@ -27,9 +27,7 @@ sub line { return "$_[0]:$_[1]:" . sha256_hex($key{ $_[0] }) . ":$_[2]\n" }
 
 sub write_keys {
     my ($path, @text) = @_;
-    open my $out, '>', $path or die "$path: $!";
-    print $out @text;
-    close $out or die "$path: $!";
+    spew($path, @text);
     chmod 0600, $path;
     return $path;
 }

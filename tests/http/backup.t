@@ -22,9 +22,7 @@ my $waits = $daemon->submit('points=80&iterations=2', $cloud);
 wait_until(sub { $daemon->status($runs) eq 'running' });
 
 {
-    open my $script, '>', "$dir/block.sh" or die "block.sh: $!";
-    print $script $block;
-    close $script;
+    spew("$dir/block.sh", $block);
     is system("cd $dir && XDG_STATE_HOME=$dir bash -e block.sh") >> 8, 0, 'the block runs';
 }
 $daemon->request('DELETE', "/v1/jobs/$_") for $runs, $waits, @done; # the backup is no part of this life

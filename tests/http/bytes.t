@@ -23,9 +23,7 @@ for my $i (0 .. $count - 1) {
     my $z = 3 * sin(4 * $u) * cos(3 * $v);
     $cloud .= pack 'd>3C3f>', 500000 + 10 * $u * $u, 6000000 + 10 * $v, 100 + $z, 255 * $u, 255 * $v, $i % 256, $z;
 }
-open my $file, '>:raw', "$folder/in.ply" or die "in.ply: $!";
-print $file $cloud;
-close $file or die "in.ply: $!";
+spew("$folder/in.ply", $cloud);
 
 my %requests = (
     'PLY' => 'points=2500&iterations=6&polish=20&format=ply&normals=fit',

@@ -15,9 +15,7 @@ my $count = 0;
 sub file {
     my ($text) = @_;
     my $path = "$dir/" . ++$count . '.conf';
-    open my $out, '>:raw', $path or die "$path: $!";
-    print $out $text;
-    close $out;
+    spew($path, $text);
     return $path;
 }
 

@@ -17,9 +17,7 @@ my @brief = ('-F', 'iterations=2', '-F', 'polish=0');
 
 sub file {
     my ($name, $bytes) = @_;
-    open my $out, '>:raw', "$dir/$name" or die;
-    print $out $bytes;
-    close $out;
+    spew("$dir/$name", $bytes);
     return "$dir/$name";
 }
 

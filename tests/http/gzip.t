@@ -40,9 +40,7 @@ ok $daemon->post("/v1/resample?$query", $cloud, 'Content-Encoding' => 'identity'
 ok sent("/v1/resample?$query", packed($cloud, -Level => 0))->{content} eq $raw->{content}, 'without compressing';
 ok sent("/v1/resample?$query", packed(substr $cloud, 0, 999) . packed(substr $cloud, 999))->{content} eq $raw->{content}, 'in two members';
 {
-    open my $out, '>:raw', "$dir/x.ply.gz" or die;
-    print $out packed($cloud);
-    close $out;
+    spew("$dir/x.ply.gz", packed($cloud));
     my @curl = ('curl', '-s', '-m', 60);
     for my $how (['--data-binary', "\@$dir/x.ply.gz"], ['--data-binary', "\@$dir/x.ply.gz", '-H', 'Transfer-Encoding: chunked'],
         ['-X', 'POST', '-T', "$dir/x.ply.gz"]) {

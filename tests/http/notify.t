@@ -31,9 +31,7 @@ sub hears {
 
 sub config {
     my ($level) = @_;
-    open my $out, '>', "$dir/conf" or die $!;
-    print $out "log-level = $level\nqueue = 3\n";
-    close $out;
+    spew("$dir/conf", "log-level = $level\nqueue = 3\n");
 }
 
 config('info');

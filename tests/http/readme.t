@@ -50,13 +50,6 @@ sub sphere {
     spew($path, $text);
 }
 
-sub spew {
-    my ($path, $text) = @_;
-    open my $file, '>', $path or die "$path: $!";
-    print $file $text;
-    close $file or die "$path: $!";
-}
-
 my $recorder = do {
     # A port that was free a moment ago is the daemon's; the recorder has the one that the blocks name, if it can.
     my $port = IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => 0, Listen => 1)->sockport;

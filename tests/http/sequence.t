@@ -17,14 +17,6 @@ my $path = '/v1/processes/resample/frames?' . join '&', @small;
 my %clouds = ('a.ply' => sphere_ply(400), 'b.ply' => 'no cloud', 'c.ply' => sphere_ply(500), 'd.ply' => sphere_ply(450));
 my @names = sort keys %clouds;
 
-sub spew {
-    my ($file, $bytes) = @_;
-    open my $out, '>:raw', $file or die "$file: $!";
-    print $out $bytes;
-    close $out;
-    return $file;
-}
-
 # An archive of these files; the files of an archive, and their names in its order.
 sub archive { my (@options) = @_; return scalar qx(tar -C $dir/frames -c @options) }
 sub contents {
@@ -59,6 +51,33 @@ my (undef, $restored) = contents($daemon->post('/v1/processes/restore/frames', a
 ok $restored->{$_} eq $daemon->post('/v1/restore', $clouds{$_})->{content}, "restore: $_ as alone" for qw(a.ply c.ply d.ply);
 my (undef, $of_form) = contents(scalar qx(curl -s @{[map { "-F x=\@$dir/frames/$_" } @names]} '$daemon->{url}$path'));
 ok $of_form->{$_->[0]} eq Vt::slurp("$dir/here/$_->[1]"), "a form: $_->[0]" for ['0001.ply', 'a.ply'], ['0004.ply', 'd.ply'];
+
+# --- results while later frames arrive ------------------------------------------------------------
+
+# Each frame is sent once the result of the one before has been read, and no byte meanwhile; then these bytes. What came, in chunks.
+sub early {
+    my ($accept, $end, @results) = @_;
+    my ($socket, $got) = ($daemon->connect, '');
+    my $send = sub { $socket->syswrite(sprintf "%x\r\n%s\r\n", length $_[0], $_[0]) };
+    $socket->syswrite("POST $path HTTP/1.1\r\nHost: localhost\r\nAccept: $accept\r\nPrefer: respond-early\r\nTransfer-Encoding: chunked\r\n\r\n");
+    for my $name (qw(a c d)) {
+        $send->(substr archive('-b1', "$name.ply"), 0, -1024);
+        $got .= Vt::read_all($socket, shift @results);
+    }
+    $send->($end);
+    $socket->syswrite("0\r\n\r\n");
+    my ($left, $text) = (body_of($got . Vt::read_all($socket)), '');
+    $text .= substr $left, 0, 2 + hex $1, '' and substr($text, -2) = '' while $left =~ s/\A([0-9a-f]+)\r\n// && hex $1 > 0;
+    return ($text, $left);
+}
+
+my ($text, $left) = early('application/x-tar', "\0" x 1024, map { qr/$_\.ply\0/ } qw(a c d));
+my (undef, $early) = contents($text);
+ok $early->{$_} eq Vt::slurp("$dir/here/$_"), "early: $_" for qw(a.ply c.ply d.ply);
+is $left, "\r\n", 'and the end';
+is((early('text/event-stream', "\0" x 1024, (qr/"successful"/) x 3))[0] =~ s/^(?!id: |event: ).*\n//mgr =~ tr/\n/ /r, join('', map { "id: $_ event: frame " x 2 } 1 .. 3), 'events');
+($text, $left) = early('application/x-tar', 'x' x 1024, map { qr/$_\.ply\0/ } qw(a c d));
+is $left, '', 'a body that is damaged then cuts the answer';
 
 # --- refusals -------------------------------------------------------------------------------------
 

@@ -37,9 +37,7 @@ for my $case (['unix:run/x.sock', qr{--listen is "unix:run/x\.sock", want unix:/
     is $status, 2, 'a path that no socket can have is refused';
     like $text, $case->[1], 'by name';
 }
-open my $file, '>', $path or die $!;
-print $file "precious\n";
-close $file;
+spew($path, "precious\n");
 my ($status, $text) = Vt::run(@data, '--listen', "unix:$path");
 is $status, 1, 'a file that is no socket is an error';
 like $text, qr/cannot listen on unix:\Q$path\E: there is a file that is not a socket/, 'which is named';
@@ -61,9 +59,7 @@ is $status, 1, 'a second daemon does not take it away';
 like $text, qr/a daemon answers there already/, 'and says why';
 like Vt::slurp("$dir/log"), qr/"client":"127\.0\.0\.1"/, 'its peers are this machine in the log';
 
-open my $ply, '>:raw', "$dir/in.ply" or die $!;
-print $ply sphere_ply(500);
-close $ply;
+spew("$dir/in.ply", sphere_ply(500));
 is system("$client health --server unix:$path >$dir/health"), 0, 'the client asks through it';
 is system("VORONOID_LISTEN=unix:$path $client health >$dir/health"), 0, 'and finds it by VORONOID_LISTEN';
 is system("$client resample $dir/in.ply -n 100 -o $dir/out.ply --server unix:$path 2>$dir/said"), 0, 'a whole job goes through it'

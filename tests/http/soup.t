@@ -53,9 +53,7 @@ $refused = $daemon->post('/v1/resample?points=60&soup=true', sphere_ply(900));
 is_problem($refused, 400, 'invalid-parameter', 'a resampling has no faces');
 
 my $folder = tempdir(CLEANUP => 1);
-open my $in, '>:raw', "$folder/in.ply" or die "$folder/in.ply: $!";
-print $in sphere_ply(900);
-close $in;
+spew("$folder/in.ply", sphere_ply(900));
 my @command = ('mesh', "$folder/in.ply", '-o', "$folder/out.ply", qw(-n 60 --iterations 2 --polish 3 --soup --quiet -f));
 is system($ENV{VORONOID} // 'build/release/voronoid', @command), 0, 'the command line makes one';
 is Vt::slurp("$folder/out.ply"), $answer->{content}, 'the same bytes';

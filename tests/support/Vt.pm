@@ -13,7 +13,7 @@ use JSON::PP ();
 use POSIX ();
 use Time::HiRes qw(time sleep);
 
-our @EXPORT = qw(sphere_ply json is_problem refused wait_until head_of body_of data_file);
+our @EXPORT = qw(spew sphere_ply json is_problem refused wait_until head_of body_of data_file);
 
 # Seconds that anything is waited for. It bounds a test that goes wrong, and decides nothing.
 our $PATIENCE = 120;
@@ -86,6 +86,14 @@ sub slurp {
     open my $file, '<:raw', $path or return '';
     local $/;
     return scalar <$file> // '';
+}
+
+sub spew {
+    my ($path, @bytes) = @_;
+    open my $file, '>:raw', $path or die "$path: $!";
+    print $file @bytes;
+    close $file or die "$path: $!";
+    return $path;
 }
 
 # The blocks of code that users are shown, in the order printed: those of README.md, then those of the help's topics.

@@ -67,6 +67,7 @@ struct vor_sequence {
     size_t begun;   /* frames that were */
     struct vor_flight flights[VOR_FLIGHTS];
     bool is_events; /* the reply tells of the frames, and has no results */
+    bool is_early;  /* the reply begins before the body is in */
     bool is_stream; /* it is on its way */
     double sent_at; /* the last event */
     size_t sent;    /* frames */

@@ -90,6 +90,7 @@ enum vor_next vor_events_reply(struct vor_request *request, const struct vor_uui
 
 struct vor_preferences {
     bool is_async;       /**< respond-async */
+    bool is_early;       /**< respond-early, which is ours: before the body is in */
     double wait_seconds; /**< wait=N, 0 .. 86400 (more counts as that); -1 for none */
 };
 

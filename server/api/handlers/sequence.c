@@ -3,7 +3,8 @@
  * the process continues an earlier result, with that of the last frame that has one. Of these one
  * is on its way at a time; of the others a few are, so that one is decoded while another is
  * computed. The reply is a tar archive, too: what became of each frame, in the order of the frames,
- * as soon as it is known.
+ * as soon as it is known. It begins when the body is in, or, if the client prefers that, when the
+ * first frame is over: not all clients and proxies go on sending then.
  *
  * A frame whose job has a row is as safe as any job. Of the others nothing is kept beyond the
  * request. */
@@ -138,7 +139,7 @@ static long read_result(struct vor_sequence *sequence, char *out, size_t size)
     ssize_t got = pread(sequence->fd, out, left < size ? (size_t)left : size, (off_t)sequence->at);
 
     if (got <= 0)
-        return -1; /* which cuts the archive */
+        return VOR_STREAM_CUT;
     sequence->at += (uint64_t)got;
     if (sequence->at < sequence->size)
         return (long)got;
@@ -154,8 +155,8 @@ static long read_reply(struct vor_request *request, char *out, size_t size)
 {
     struct vor_sequence *sequence = request->state;
 
-    if (vor_request_gone(request))
-        return -1;
+    if (vor_request_gone(request) || sequence->error.status != VOR_OK)
+        return VOR_STREAM_CUT;
     vor_sequence_advance(sequence);
     while (sequence->taken == sequence->text.size) {
         if (sequence->fd >= 0)
@@ -164,11 +165,13 @@ static long read_reply(struct vor_request *request, char *out, size_t size)
             return -1;
         vor_text_clear(&sequence->text);
         sequence->taken = 0;
+        if (sequence->sent == sequence->count && !request->whole)
+            return 0;
         if (!(sequence->is_events ? compose_events : compose)(sequence))
             return 0;
     }
     if (sequence->text.failed)
-        return -1;
+        return VOR_STREAM_CUT;
     if (size > sequence->text.size - sequence->taken)
         size = sequence->text.size - sequence->taken;
     memcpy(out, sequence->text.data + sequence->taken, size);
@@ -203,6 +206,27 @@ static void on_over(struct vor_deferred *deferred)
         (void)atomic_fetch_sub(&sequence->app->streams, 1);
 }
 
+static void begin_reply(struct vor_sequence *sequence)
+{
+    struct vor_request *request = sequence->request;
+
+    sequence->is_stream = true;
+    sequence->sent_at = vor_clock_seconds();
+    (void)atomic_fetch_add(&request->app->streams, 1);
+    vor_reply_header(request, "Cache-Control", "no-store");
+    vor_reply_header(request, "X-Accel-Buffering", "no");
+    vor_reply_stream(request, 200, sequence->is_events ? "text/event-stream" : "application/x-tar",
+                     VOR_LENGTH_UNKNOWN, read_reply);
+}
+
+/* Whether frames that have arrived are on their way, or back. */
+static bool waits(void *ctx)
+{
+    const struct vor_sequence *sequence = ctx;
+
+    return sequence->sent + (sequence->is_open ? 1 : 0) < sequence->count;
+}
+
 static int take_piece(void *ctx, const void *bytes, size_t size)
 {
     struct vor_sequence *sequence = ctx;
@@ -213,6 +237,11 @@ static int take_piece(void *ctx, const void *bytes, size_t size)
         if (vor_sequence_feed(sequence, bytes, size, err) == VOR_OK)
             vor_sequence_advance(sequence);
     }
+    if (err->status == VOR_OK && sequence->is_early && !sequence->is_stream &&
+        sequence->count > 0 && (sequence->frames[0].is_over || sequence->frames[0].is_accepted))
+        begin_reply(sequence);
+    if (err->status != VOR_OK && sequence->is_stream)
+        return -1;
     if (err->status == VOR_E_IO)
         return vor_error_storage_full(err) ? 507 : 503;
     if (err->status == VOR_OK || (sequence->wasted += size) <= PATIENCE)
@@ -286,6 +315,7 @@ static enum vor_next begin(struct vor_request *request)
     struct vor_submit_head head;
     struct vor_sequence *sequence;
     struct vor_body_sink sink;
+    struct vor_preferences preferences;
     struct vor_error err;
     bool is_linked = false;
     vor_status status;
@@ -313,8 +343,10 @@ static enum vor_next begin(struct vor_request *request)
     VOR_THEN(status, vor_sequence_begin_body(sequence, &err));
     if (status != VOR_OK)
         return vor_problem_error(request, &err, NULL);
+    vor_prefer_read(request, &preferences);
     sink = (struct vor_body_sink){sequence, take_piece};
     vor_request_take_body(request, &sink, (uint64_t)app->config->number[VOR_SET_BODY_LIMIT]);
+    sequence->is_early = preferences.is_early && vor_request_reply_early(request, waits);
     return VOR_NEXT_BODY;
 }
 
@@ -325,15 +357,11 @@ static enum vor_next reply(struct vor_request *request, struct vor_sequence *seq
     vor_status status = err->status;
 
     VOR_THEN(status, vor_sequence_finish(sequence, err));
+    if (sequence->is_stream)
+        return VOR_NEXT_REPLY;
     if (status != VOR_OK)
         return vor_problem_error(request, err, NULL);
-    sequence->is_stream = true;
-    sequence->sent_at = vor_clock_seconds();
-    (void)atomic_fetch_add(&request->app->streams, 1);
-    vor_reply_header(request, "Cache-Control", "no-store");
-    vor_reply_header(request, "X-Accel-Buffering", "no");
-    vor_reply_stream(request, 200, sequence->is_events ? "text/event-stream" : "application/x-tar",
-                     VOR_LENGTH_UNKNOWN, read_reply);
+    begin_reply(sequence);
     return VOR_NEXT_REPLY;
 }
 
