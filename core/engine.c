@@ -80,7 +80,9 @@ static vor_status place(struct engine *engine, struct vor_error *err)
     size_t rest = n - (all ? engine->given->n : share);
     vor_status status = vor_domain_continue(domain, engine->in, engine->previous, err);
 
-    VOR_THEN(status, vor_motion_follow(domain, &engine->whole, err));
+    if (!vor_spec_given(&engine->spec, VOR_PARAM_COHERENCE) ||
+        engine->spec.value[VOR_PARAM_COHERENCE] > 0)
+        VOR_THEN(status, vor_motion_follow(domain, &engine->whole, err));
     if (status == VOR_OK && rest > 0)
         status = vor_followed_make(domain, engine->in, rest, &engine->spec, &engine->whole, err);
     if (status == VOR_OK && (rest > 0 || all))
