@@ -245,30 +245,69 @@ static void vote_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
     }
 }
 
-/* Looks for the lattice of all points; if none counts, for those of pieces of their order. */
+/* The places of a lattice between two coordinates. */
+static uint64_t places_between(float a, float b, double cell)
+{
+    return (uint64_t)(fabs((double)a - (double)b) / cell + 0.5);
+}
+
+/* True when some piece of the order has at most every second place of a lattice along each axis. */
+static int has_coarser(const struct vor_domain *domain, const struct vor_lattice *lattice)
+{
+    for (size_t first = 0; first + VOR_LATTICE_BLOCK <= domain->n; first += VOR_LATTICE_BLOCK) {
+        const float *x = &domain->xyz[3 * first];
+        uint64_t step = 2;
+
+        for (int c = 0; c < 3 && step > 1; c++) {
+            step = 0; /* the greatest common divisor */
+            for (int i = 1; i < VOR_LATTICE_BLOCK && step != 1; i++)
+                for (uint64_t rest = places_between(x[3 * i + c], x[c], lattice->cell[c]);
+                     rest > 0;) {
+                    uint64_t before = rest;
+
+                    rest = step % rest;
+                    step = before;
+                }
+        }
+        if (step > 1)
+            return 1;
+    }
+    return 0;
+}
+
+/* Looks for the lattice of all points. If none counts, or pieces of their order have coarser ones,
+ * each piece has its own, or that of all. */
 static vor_status find_regions(struct restore *restore, struct vor_error *err)
 {
     struct vor_regions *regions = &restore->regions;
     const struct vor_domain *domain = &restore->domain;
     struct vor_lattice found;
     vor_status status = vor_lattice_find(&found, domain, restore->run, err);
+    int is_wide = status == VOR_OK && vor_lattice_is_wide(&found);
 
+    if (status == VOR_OK && (!is_wide || has_coarser(domain, &found)))
+        status = vor_lattice_find_regions(regions, domain, 1, restore->run, err);
     if (status != VOR_OK)
         return status;
-    if (!vor_lattice_is_wide(&found)) {
-        status = vor_lattice_find_regions(regions, domain, 1, restore->run, err);
-        for (int c = 0; c < 3; c++)
-            regions->widest[c] = fmax(regions->widest[c], found.cell[c]);
+    for (int c = 0; c < 3; c++)
+        regions->widest[c] = fmax(regions->widest[c], found.cell[c]);
+    if (!is_wide) {
         if (vor_lattice_is_full(&found)) /* of all points, though small */
             regions->pitch[1] = 0;
-        return status;
+        return VOR_OK;
     }
-    regions->cell = vor_malloc(restore->run->memory, 1, sizeof *regions->cell);
-    if (regions->cell == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
-    memcpy(regions->cell, found.cell, sizeof found.cell);
-    memcpy(regions->widest, found.cell, sizeof found.cell);
-    regions->many = regions->eligible = domain->n;
+    if (!(regions->pitch[1] > 0)) { /* one of all */
+        vor_free(restore->run->memory, regions->cell);
+        *regions = (struct vor_regions){.many = domain->n, .n = 1};
+        memcpy(regions->widest, found.cell, sizeof found.cell);
+        regions->cell = vor_calloc(restore->run->memory, 1, sizeof *regions->cell);
+        if (regions->cell == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
+    }
+    regions->eligible = domain->n;
+    for (size_t i = 0; i < regions->n; i++)
+        if (!(regions->cell[i][0] > 0))
+            memcpy(regions->cell[i], found.cell, sizeof found.cell);
     return VOR_OK;
 }
 
