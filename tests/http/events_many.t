@@ -104,9 +104,7 @@ is $bye->{retry}, 1000, 'the last thing that a stream says is when to come back'
 
 # A key sees its own jobs.
 my $dir = tempdir(CLEANUP => 1);
-open my $keys, '>', "$dir/keys" or die $!;
-print $keys "$_:submit,read:" . sha256_hex("a key of $_") . "\n" for qw(anna berta);
-close $keys or die $!;
+spew("$dir/keys", map { "$_:submit,read:" . sha256_hex("a key of $_") . "\n" } qw(anna berta));
 $daemon = Vt->start('api-keys' => "$dir/keys");
 my $of_anna = json($daemon->post('/v1/resample?points=50&iterations=2', $cloud, Prefer => 'respond-async',
     'X-API-Key' => 'a key of anna'))->{jobID};

@@ -79,6 +79,15 @@ is((early('text/event-stream', "\0" x 1024, (qr/"successful"/) x 3))[0] =~ s/^(?
 ($text, $left) = early('application/x-tar', 'x' x 1024, map { qr/$_\.ply\0/ } qw(a c d));
 is $left, '', 'a body that is damaged then cuts the answer';
 
+# Frames that do not depend on each other: two are computed while the next one, decoded, waits for its turn.
+spew("$dir/frames/$_.ply", sphere_ply(20_000)) for 1 .. 3;
+my $abreast = $daemon->events('/v1/processes/resample/frames?points=10000&method=wlop&rounds=20&steps=100', method => 'POST',
+    body => archive(map { "$_.ply" } 1 .. 3), headers => { Accept => 'text/event-stream' });
+my $states = sub { join ' ', map { $_->{status} } grep { $_->{voronoid}{name} =~ /^[123]\.ply$/ } @{ json($daemon->get('/v1/jobs?limit=9'))->{jobs} } };
+ok wait_until(sub { $states->() eq 'accepted running running' }), 'neighbouring frames overlap';
+$abreast->close;
+$daemon->request('DELETE', "/v1/jobs/$_->{jobID}") for grep { $_->{voronoid}{name} =~ /^[123]/ } @{ json($daemon->get('/v1/jobs?limit=9'))->{jobs} };
+
 # --- refusals -------------------------------------------------------------------------------------
 
 my $whole = archive('a.ply');

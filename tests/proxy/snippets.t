@@ -35,14 +35,6 @@ sub listens {
     return defined IO::Socket::INET->new(PeerAddr => '127.0.0.1', PeerPort => $port, Timeout => 5);
 }
 
-sub write_file {
-    my ($path, @text) = @_;
-    open my $out, '>:raw', $path or die "$path: $!";
-    print $out @text;
-    close $out or die "$path: $!";
-    return $path;
-}
-
 # A snippet with other addresses; every one must be there.
 sub adapt {
     my ($text, %changes) = @_;
@@ -71,7 +63,7 @@ sub nginx {
     my $site = adapt($text, 'listen 80;' => "listen 127.0.0.1:$port;", %changes);
     my $temp = join '', map { "${_}_temp_path $dir/$_;\n" } qw(client_body proxy fastcgi uwsgi scgi);
     my $user = $> == 0 ? "user root;\n" : '';
-    write_file("$dir/nginx.conf", "${user}daemon off;\npid $dir/pid;\nerror_log stderr;\nevents {}\n",
+    spew("$dir/nginx.conf", "${user}daemon off;\npid $dir/pid;\nerror_log stderr;\nevents {}\n",
         "http {\naccess_log off;\n$temp$site}\n");
     return ("$root/usr/sbin/nginx", '-e', 'stderr', '-p', $dir, '-c', "$dir/nginx.conf");
 }
@@ -89,7 +81,7 @@ my %proxies = (
         scheme => 'http',
         start => sub {
             my ($dir, $port, $daemon) = @_;
-            write_file("$dir/haproxy.cfg", adapt(Vt::documented_in('haproxy'), 'bind :80' => "bind 127.0.0.1:$port",
+            spew("$dir/haproxy.cfg", adapt(Vt::documented_in('haproxy'), 'bind :80' => "bind 127.0.0.1:$port",
                     '127.0.0.1:8080' => $daemon->{address}));
             return ("$root/usr/sbin/haproxy", '-db', '-f', "$dir/haproxy.cfg");
         },
@@ -101,7 +93,7 @@ my %proxies = (
             # A certificate of its own, which no other program is told of, in the place of one from a public authority.
             my $site = adapt(Vt::documented_in('caddyfile'), '127.0.0.1:8080' => $daemon->{address},
                 "$host {" => "$host:$port {\n    bind 127.0.0.1\n    tls internal");
-            write_file("$dir/Caddyfile", "{\n    admin off\n    skip_install_trust\n    auto_https disable_redirects\n",
+            spew("$dir/Caddyfile", "{\n    admin off\n    skip_install_trust\n    auto_https disable_redirects\n",
                 "    storage file_system $dir/storage\n}\n$site");
             $ENV{HOME} = $ENV{XDG_DATA_HOME} = $ENV{XDG_CONFIG_HOME} = $dir;
             return ("$root/usr/bin/caddy", 'run', '--adapter', 'caddyfile', '--config', "$dir/Caddyfile");
