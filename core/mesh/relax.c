@@ -336,7 +336,9 @@ static vor_status steps(struct relax *relax, const struct vor_relax_how *how, st
         else if (!vor_relax_is_free(relax->complex, relax->sheet, (uint32_t)i))
             relax->moves[i] = how->creases ? VOR_RELAX_ALONG : VOR_RELAX_STAYS;
     find_near(relax, how->creases);
-    for (unsigned step = 0; step < how->steps && status == VOR_OK; step++) {
+    for (unsigned step = 0; step < how->steps + how->after && status == VOR_OK; step++) {
+        for (size_t i = 0; step == how->steps && i < seeds->n; i++)
+            relax->moves[i] = relax->near[i] > 0 ? relax->moves[i] : VOR_RELAX_STAYS;
         status = vor_run_rows(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, move_row, relax, err);
         if (status == VOR_OK)
             memcpy(seeds->xyz, relax->next, 3 * seeds->n * sizeof *seeds->xyz);

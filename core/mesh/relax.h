@@ -76,6 +76,7 @@ enum vor_relax_aim {
 /** What is done. */
 struct vor_relax_how {
     unsigned steps; /**< of all points at once */
+    unsigned after; /**< more steps, of those on creases and near them alone */
     size_t fixed;   /**< that many of the last points stay */
     int refine;     /**< finer fits are tried (vor_seeds_refine) */
     size_t since;   /**< only corners of the triangles from this one on move */

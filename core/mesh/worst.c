@@ -68,12 +68,11 @@ struct worst {
     size_t fixed;
     const struct vor_recall *how;
     unsigned char *movable; /* n: the point may move, which flips do not change */
-    unsigned char
-        *tried;         /* n: edges there were flipped in vain, and none near with success since */
-    struct bad *bad;    /* a triangle each, `count` are set */
-    size_t count, left; /* left: flips that may be tried */
-    int by_angle;       /* see strain_of */
-    vor_status status;  /* of what ran on the pool's thread */
+    unsigned char *tried;   /* n: edges there were flipped in vain, none near with success since */
+    struct bad *bad;        /* a triangle each, `count` are set */
+    size_t count, left;     /* left: flips that may be tried */
+    int by_angle;           /* see strain_of */
+    vor_status status;      /* of what ran on the pool's thread */
     struct vor_error *err;
 };
 
@@ -209,19 +208,21 @@ static void take_back(const struct worst *worst, uint32_t i, const struct kept *
     memcpy(&worst->sheet->normal[3 * (size_t)i], kept->normal, sizeof kept->normal);
 }
 
-/* Moves point i along its surface to where the triangles around it are least bad. */
+/* Moves point i along its surface to where no triangle around it is bad, or they are least bad.
+ * Always to the latter / so, mean quality of fandisk, two seeds: .9689, .9698 / .9694, .9704. */
 static void search(const struct worst *worst, uint32_t i, const struct vor_surface *surface)
 {
     struct vor_seeds *seeds = worst->seeds;
     float *at = &seeds->xyz[3 * (size_t)i];
-    double axis[3][3], normal[VOR_AROUND_MOST][3] = {{0}}, best, length;
+    double axis[3][3], normal[VOR_AROUND_MOST][3] = {{0}}, best, length, enough;
     struct fan fan;
 
     length = normals_of(worst, i, normal);
     vor_relax_axes(axis, worst->complex, seeds->xyz, i);
     find_fan(&fan, worst, i);
     best = badness_from(&fan, at, INFINITY);
-    for (int part = 1; part <= SMALLEST_PART && best > 0; part *= 2) {
+    enough = vor_power(BAD - 1, 8);
+    for (int part = 1; part <= SMALLEST_PART && best > enough; part *= 2) {
         double step = VOR_RELAX_STEP_MAX * length / part;
         float from[3];
 
@@ -231,7 +232,7 @@ static void search(const struct worst *worst, uint32_t i, const struct vor_surfa
                 float before[3];
                 double x[3], here;
 
-                if (u == 0 && v == 0)
+                if ((u == 0 && v == 0) || best <= enough)
                     continue;
                 memcpy(before, at, sizeof before);
                 for (int c = 0; c < 3; c++)
@@ -363,8 +364,7 @@ static void move_at(struct worst *worst, const uint32_t corner[3], unsigned work
 
 /* Moves the points around edges that were flipped. Returns whether the triangles are less bad than
  * `bad` in the end, and no point hangs that did not before. Points of triangles that lay over each
- * other are near each other at first, so that there all steps together and a sweep are waited for.
- */
+ * other are near each other at first, so there all steps together and a sweep are waited for. */
 static int settle(struct worst *worst, const struct ring *ring, const struct kept *kept, double bad,
                   int folded, unsigned worker)
 {
