@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/base/rng.h"
+#include "core/base/stat.h"
 #include "core/base/vector.h"
 #include "core/geom/integrate.h"
 #include "core/seeds/area.h"
@@ -392,15 +393,40 @@ static double variation(const struct areas *areas)
     return sqrt(fmax(0, sum2 / (double)n / (mean * mean) - 1));
 }
 
-/* Turns the areas of cells into equal shares of the seeds; cells without area get none. */
-static void share_equally(double *end, size_t n)
+static double area_at(const struct areas *areas, size_t i)
 {
+    return i > 0 ? areas->end[i] - areas->end[i - 1] : areas->end[0];
+}
+
+/* The median area of cells at equal steps, of those that have one. */
+static double usual_area(const struct areas *areas)
+{
+    size_t all = areas->from->n, places = all < VOR_DOMAIN_SAMPLED ? all : VOR_DOMAIN_SAMPLED;
+    size_t count = 0;
+    double area[VOR_DOMAIN_SAMPLED];
+
+    for (size_t i = 0; i < places; i++) {
+        area[count] = area_at(areas, (size_t)((double)i / (double)places * (double)all));
+        count += area[count] > 0;
+    }
+    if (count == 0)
+        return INFINITY;
+    vor_sort_doubles(area, count);
+    return area[count / 2];
+}
+
+/* Turns the areas of cells into equal shares of the seeds. Cells without area get none, nor those
+ * as far across as VOR_OUTSIDE_MOVING usual ones: their seeds would hang between objects. */
+static void share_equally(const struct areas *areas)
+{
+    double across = VOR_OUTSIDE_MOVING, most = across * across * usual_area(areas);
     double before = 0, cells = 0;
 
-    for (size_t i = 0; i < n; i++) {
-        cells += end[i] > before;
-        before = end[i];
-        end[i] = cells;
+    for (size_t i = 0; i < areas->from->n; i++) {
+        double area = areas->end[i] - before;
+
+        before = areas->end[i];
+        areas->end[i] = cells += area > 0 && area <= most;
     }
 }
 
@@ -429,7 +455,7 @@ static vor_status sample_cells(struct areas *areas, struct vor_error *err)
             break;
         to->area = areas->end[from->n - 1];
         if (areas->kept)
-            share_equally(areas->end, from->n);
+            share_equally(areas);
         if (from->wanted.value != NULL) {
             double before = 0, sum = 0; /* of the shares, as weigh_block */
 

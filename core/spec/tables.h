@@ -139,9 +139,9 @@ enum vor_method_choice {
       "each point to the mean of the input points nearest to it; insert (only with the process "   \
       "upsample): the points of the input stay as they are, with the same positions, in their "    \
       "order, and as many new points as are missing follow them, equally many around each point "  \
-      "of the input. A polish (see the parameter `polish`) follows every method but kmeans and "   \
-      "insert. The result of kmeans is denser where the input is denser, and cannot have more "    \
-      "points than the input")                                                                     \
+      "of the input, but none where it is very sparse. A polish (see the parameter `polish`) "     \
+      "follows every method but kmeans and insert. The result of kmeans is denser where the "      \
+      "input is denser, and cannot have more points than the input")                               \
     X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, VOR_PATCH_QUADRIC, "quadric plane",                  \
       "Kind of local surface that is fitted to the input. quadric: a curved surface; plane: a "    \
       "flat surface, as in Chen 2018, which rounds sharp edges")                                   \
