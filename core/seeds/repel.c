@@ -203,7 +203,7 @@ static void repulsion(const struct polish *polish, const struct vor_scratch *scr
 
     force[0] = force[1] = force[2] = 0;
     for (unsigned j = 0; j < crowd->count; j++) {
-        double d2 = (double)crowd->distance2[j], weight, d[3];
+        double d2 = (double)crowd->distance2[j], most = (double)polish->forces.most, weight, d[3];
 
         if (wanted != NULL) {
             double h = polish->h * fmax(own, (double)wanted[crowd->index[j]]);
@@ -213,9 +213,9 @@ static void repulsion(const struct polish *polish, const struct vor_scratch *scr
         if (d2 > reach * reach * h2)
             continue;
         away(polish, scratch, i, crowd->index[j], sqrt(d2), d);
-        weight = VOR_REPEL_FORCE_MAX;
-        if (VOR_REPEL_FORCE_MAX * d2 > h2)
-            weight = fmin(vor_power(h2 / d2, polish->pace.power), VOR_REPEL_FORCE_MAX);
+        weight = most;
+        if (most * d2 > h2)
+            weight = fmin(vor_power(h2 / d2, polish->pace.power), most);
         for (int c = 0; c < 3; c++)
             force[c] += scale * weight * d[c];
     }
@@ -496,7 +496,7 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
         .h2 = (float)(polish->h * polish->h),
         .reach2 = (float)(force_reach(polish) * force_reach(polish)),
         .overlap2 = (float)(OVERLAP * OVERLAP),
-        .most = (float)VOR_REPEL_FORCE_MAX,
+        .most = vor_repel_most(stage->spec, polish->pace.power),
         .power = polish->pace.power,
     };
     VOR_THEN(status, vor_seeds_index(seeds, stage->run, err));
