@@ -74,6 +74,28 @@ int vor_graph_has(const struct vor_graph *graph, uint32_t i, uint32_t j)
     return 0;
 }
 
+int vor_graph_joins(const struct vor_graph *graph, uint32_t i, uint32_t j)
+{
+    return vor_graph_has(graph, i, j) || vor_graph_has(graph, j, i);
+}
+
+int vor_graph_leads(const struct vor_graph *graph, uint32_t from, uint32_t to)
+{
+    const uint32_t *out = &graph->list[(size_t)from * graph->most];
+    const uint32_t *in = &graph->list[(size_t)to * graph->most];
+
+    if (vor_graph_joins(graph, from, to))
+        return 1;
+    for (unsigned k = 0; k < graph->count[from]; k++) {
+        if (vor_graph_joins(graph, out[k], to))
+            return 1;
+        for (unsigned m = 0; m < graph->count[to]; m++)
+            if (vor_graph_joins(graph, out[k], in[m]))
+                return 1;
+    }
+    return 0;
+}
+
 /* A graph, and for each point which entries of its list stay: bit a for entry a. */
 struct mutual {
     struct vor_graph *graph;

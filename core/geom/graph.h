@@ -74,6 +74,13 @@ VOR_NODISCARD vor_status vor_graph_keep_mutual(struct vor_graph *graph, const st
 /** True when j is in the list of i. O(most). */
 int vor_graph_has(const struct vor_graph *graph, uint32_t i, uint32_t j);
 
+/** True when one of two points is in the list of the other. O(most). */
+int vor_graph_joins(const struct vor_graph *graph, uint32_t i, uint32_t j);
+
+/** True when lists lead from a point to another over two others at most, as around a rim. Those of
+ *  the latter are not searched for points that list it, but for the last step. O(most^3). */
+int vor_graph_leads(const struct vor_graph *graph, uint32_t from, uint32_t to);
+
 /** Points around one, in rings: itself, those of its list, those of theirs that are new, and so on,
  *  until there are enough.
  *

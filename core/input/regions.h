@@ -9,7 +9,7 @@
  *  smooth surface (geom/through.h) leads nearest to it. Lists there keep to one region.
  *
  *  Two faces of one thin part are two regions, though they are joined around its rim: there both
- *  end, each towards the other, and lists of points at the end go around it.
+ *  end the same way and lean towards each other, and lists of points at the end go around it.
  *
  *  Source: none of the papers; the second step is leave-one-out cross-validation. */
 #ifndef VOR_INPUT_REGIONS_H

@@ -15,8 +15,11 @@ struct crossing {
     const struct vor_sheet *sheet;
     const struct vor_knn *knn; /* over the points */
     unsigned most;             /* points looked at */
-    unsigned char *passes;     /* count: whether the triangle is to go */
+    unsigned char *passes;     /* count: NOT, or which other the triangle passes through */
 };
+
+/* One that no lists lead to, of another sheet; one that they do lead to. */
+enum { NOT, OTHER, RELATED };
 
 /* Whether the edge from a to b passes through the inside of a triangle of such corners. */
 static int passes(const float *a, const float *b, const float *const corner[3])
@@ -169,8 +172,17 @@ size_t vor_crossing_near(const struct vor_complex *complex, const struct vor_bal
     return t;
 }
 
-/* Whether triangle t passes through one at a point near it. */
-static int is_crossed(const struct crossing *crossing, size_t t)
+/* Whether lists lead from a corner of triangle t to one of another. */
+static int is_related(const struct crossing *crossing, size_t t, size_t other)
+{
+    const uint32_t *root = crossing->sheet->root;
+
+    return vor_graph_leads(crossing->sheet->graph, root[crossing->complex->triangle[3 * t]],
+                           root[crossing->complex->triangle[3 * other]]);
+}
+
+/* Which triangle t passes through at a point near it. */
+static size_t find_crossed(const struct crossing *crossing, size_t t)
 {
     const struct vor_complex *complex = crossing->complex;
     const float *xyz = crossing->sheet->seeds->xyz;
@@ -182,19 +194,20 @@ static int is_crossed(const struct crossing *crossing, size_t t)
         for (int d = 0; d < 3; d++)
             middle[d] += xyz[3 * (size_t)corner[c] + (size_t)d] / 3;
     vor_knn_search(crossing->knn, middle, 1, crossing->most, index, distance2);
-    return find(complex, xyz, corner, &(const struct near){index, crossing->most, 0, xyz, 0, 0}) <
-           complex->count;
+    return find(complex, xyz, corner, &(const struct near){index, crossing->most, 0, xyz, 0, 0});
 }
 
 static void cross_row(void *ctx, size_t t, VOR_UNUSED unsigned worker)
 {
     const struct crossing *crossing = ctx;
+    size_t count = crossing->complex->count, other = count;
 
-    crossing->passes[t] =
-        crossing->complex->triangle[3 * t] != VOR_COMPLEX_GONE && is_crossed(crossing, t);
+    if (crossing->complex->triangle[3 * t] != VOR_COMPLEX_GONE)
+        other = find_crossed(crossing, t);
+    crossing->passes[t] = other == count ? NOT : is_related(crossing, t, other) ? RELATED : OTHER;
 }
 
-/* Counts the triangles that pass through others, and marks them. */
+/* Marks the triangles that pass through others, and counts those that are related. */
 static vor_status mark(struct crossing *crossing, size_t *count, const struct vor_run *run,
                        struct vor_error *err)
 {
@@ -208,15 +221,15 @@ static vor_status mark(struct crossing *crossing, size_t *count, const struct vo
     vor_knn_free(knn);
     *count = 0;
     for (size_t t = 0; t < crossing->complex->count && status == VOR_OK; t++)
-        *count += crossing->passes[t];
+        *count += crossing->passes[t] == RELATED;
     return status;
 }
 
-/* Puts the corners of marked triangles back to where they were. */
+/* Puts the corners of triangles that pass through related ones back to where they were. */
 static void put_back(const struct crossing *crossing, float *xyz, const float *before)
 {
     for (size_t t = 0; t < crossing->complex->count; t++)
-        for (size_t c = 0; c < 3 && crossing->passes[t]; c++) {
+        for (size_t c = 0; c < 3 && crossing->passes[t] == RELATED; c++) {
             size_t i = crossing->complex->triangle[3 * t + c];
 
             memcpy(&xyz[3 * i], &before[3 * i], 3 * sizeof *xyz);
@@ -237,7 +250,7 @@ vor_status vor_crossing_drop(struct vor_complex *complex, struct vor_seeds *seed
 {
     const struct vor_run *run = &seeds->run;
     struct crossing crossing = {.complex = complex, .sheet = sheet};
-    size_t count, last = complex->count + 1;
+    size_t count, last = 2 * complex->count;
     vor_status status;
 
     if (complex->count == 0)
@@ -246,12 +259,12 @@ vor_status vor_crossing_drop(struct vor_complex *complex, struct vor_seeds *seed
     if (crossing.passes == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu triangles", complex->count);
     status = mark(&crossing, &count, run, err);
-    while (status == VOR_OK && before != NULL && count > 0 && count < last) {
+    while (status == VOR_OK && before != NULL && count > 0 && count <= last / 2) {
         last = count;
         put_back(&crossing, seeds->xyz, before);
         status = mark(&crossing, &count, run, err);
     }
-    if (status == VOR_OK && count > 0)
+    if (status == VOR_OK)
         drop(complex, crossing.passes);
     vor_free(run->memory, crossing.passes);
     return status;

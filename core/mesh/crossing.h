@@ -20,9 +20,11 @@
  *  with, or that an edge of such a one passes through; touching is none. For inputs found to have
  *  sheets on most of them (input/regions.h).
  *
- *  Where points have moved since they passed through none, corners of such triangles are first put
- *  back as often as fewer pass through others then: around a rim that is narrower than the spacing
- *  the triangles are right, and it is the places that are wrong.
+ *  Where points have moved since they passed through none, corners of triangles that pass through
+ *  one that lists lead to are first put back, as often as that halves their number: around a rim
+ *  that is narrower than the spacing the triangles are right, and it is the places that are wrong.
+ *  Between sheets that no lists join it is the triangles. Put back all the same, 79 of 2,513 lead
+ *  from one to the other of two wavy sheets .4 spacings apart (unit/mesh_test); so 14 of 2,672.
  *
  *  @param[in,out] complex  no point has several fans; stays so
  *  @param[in,out] seeds    its points, which may have moved since `sheet` listed them
@@ -31,8 +33,8 @@
  *  @retval VOR_E_NOMEM     a byte a triangle and an index of the points do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for; the complex is as it was
  *
- *  O(n log n) for each time that points are put back, on the run's pool but for the last step. The
- *  same triangles for any number of threads. */
+ *  O(n log n), and as much for each halving, on the run's pool but for the last step. The same
+ *  triangles for any number of threads. */
 VOR_NODISCARD vor_status vor_crossing_drop(struct vor_complex *complex, struct vor_seeds *seeds,
                                            const struct vor_sheet *sheet, const float *before,
                                            struct vor_error *err);

@@ -38,37 +38,15 @@ struct over {
     double spacing;       /* of one sheet */
 };
 
-static int is_listed(const struct vor_graph *graph, uint32_t i, uint32_t j)
-{
-    return vor_graph_has(graph, i, j) || vor_graph_has(graph, j, i);
-}
-
-/* Whether lists lead from a point to another, by one in each list at most: around a rim. */
-static int leads(const struct vor_graph *graph, uint32_t from, uint32_t to)
-{
-    const uint32_t *out = &graph->list[(size_t)from * graph->most];
-    const uint32_t *in = &graph->list[(size_t)to * graph->most];
-
-    if (is_listed(graph, from, to))
-        return 1;
-    for (unsigned k = 0; k < graph->count[from]; k++) {
-        if (is_listed(graph, out[k], to))
-            return 1;
-        for (unsigned m = 0; m < graph->count[to]; m++)
-            if (is_listed(graph, out[k], in[m]))
-                return 1;
-    }
-    return 0;
-}
-
-/* Whether points of another sheet are near seed i, by the lists of the input. */
-static int has_other(const struct vor_sheet *sheet, size_t i, const uint32_t index[AROUND])
+/* Whether points of another sheet are near seed i: those that are not related with its root. */
+static int has_other(const struct vor_sheet *sheet, size_t i, const uint32_t index[AROUND],
+                     int (*are_related)(const struct vor_graph *, uint32_t, uint32_t))
 {
     uint32_t root = sheet->root[i];
     int other = 0;
 
     for (int e = 0; e < VOR_ADJACENT && other < FEWEST; e++)
-        other += index[e] != root && !leads(sheet->graph, root, index[e]);
+        other += index[e] != root && !are_related(sheet->graph, root, index[e]);
     return other == FEWEST;
 }
 
@@ -126,14 +104,15 @@ static int meet_at(const struct vor_sheet *sheet, size_t i, struct vor_knn_last 
     double x[3], half;
 
     vor_knn_search_next(domain->knn, last, &sheet->seeds->xyz[3 * i], AROUND, index, distance2);
-    if (!has_other(sheet, i, index))
+    if (!has_other(sheet, i, index, vor_graph_joins))
         return 0;
     vor_gather(near, domain->xyz, index, AROUND);
     vor_seeds_position(sheet->seeds, i, x);
     if (!fit(&over, near, x))
         return 0;
     (void)vor_twofold_above(&over.two, x, &half);
-    return 2 * fabs(half) < VOR_MEETING_NEAR * over.spacing && alike(&over) < ALIKE;
+    return 2 * fabs(half) < VOR_MEETING_NEAR * over.spacing && alike(&over) < ALIKE &&
+           has_other(sheet, i, index, vor_graph_leads);
 }
 
 static void meet_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)

@@ -70,6 +70,25 @@ VT_TEST(a_neighbour_is_within_a_distance_or_none_is)
     ck_assert(!vor_boundary_within(place.near, K, (double[3]){-1, 0, 1.15}, 1));
 }
 
+VT_TEST(the_free_side_is_that_where_neighbours_are_missing)
+{
+    static const double half[][2] = {{1, 0}, {0, 1}, {-1, 0}};
+    double six[6][2], side[2];
+
+    ck_assert(vor_boundary_free_side(half, 3, -0.5, side));
+    ck_assert_double_eq_tol(side[0], 0, 1e-12);
+    ck_assert_double_eq_tol(side[1], -1, 1e-12);
+    for (int k = 0; k < 6; k++) {
+        six[k][0] = cos(k * M_PI / 3);
+        six[k][1] = sin(k * M_PI / 3);
+    }
+    ck_assert(!vor_boundary_free_side((const double(*)[2])six, 6, -0.5, side));
+    /* Without one of them 120 degrees are free. */
+    ck_assert(vor_boundary_free_side((const double(*)[2])six, 5, 0.0, side));
+    ck_assert_double_eq_tol(side[0], 0.5, 1e-12);
+    ck_assert_double_eq_tol(side[1], -sqrt(3) / 2, 1e-12);
+}
+
 /* With all neighbours to one side, 0.6 of the spacings asked for are allowed. */
 VT_TEST(beyond_the_edge_of_a_half_plane_places_are_outside)
 {

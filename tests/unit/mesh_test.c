@@ -155,19 +155,14 @@ VT_TEST_FIGURES(a_tetrahedron_is_closed_and_faces_outward, VT_SOAK_LOOPS(4, 20))
     vor_cloud_free(&in);
 }
 
-/* A bowl of radius 1 whose wall is 1.55 spacings of its points thick. From four times as many
- * points (even cases) all of eight draws are closed. From as many, those of the three draws whose
- * faces are parted have 24, 0 and 24 open edges; 115 to 125 where lists do not go around the rim.
- */
-VT_TEST_FIGURES(a_bowl_of_a_thin_wall_is_all_but_closed, VT_SOAK_LOOPS(2, 6))
+static size_t open_edges_of_a_bowl(uint64_t draw, size_t points)
 {
-    static const uint64_t draws[] = {0, 3, 4};
-    const uint64_t draw = draws[_i / 2];
     const double w = 0.126, in2 = (1 - w) * (1 - w), rim = M_PI * w / 2 * (1 - w / 2);
     struct vor_cloud in;
     struct vt_meshed meshed;
+    size_t open;
 
-    vt_cloud_make(&in, _i % 2 == 0 ? 8000 : 2000);
+    vt_cloud_make(&in, points);
     for (size_t i = 0; i < in.n; i++) {
         double u = vt_unit(draw, 3 * i) * (1 + in2 + rim), r = u < 1 ? 1 : 1 - w;
         double t = vt_unit(draw, 3 * i + 1), way = 2 * M_PI * vt_unit(draw, 3 * i + 2);
@@ -177,9 +172,20 @@ VT_TEST_FIGURES(a_bowl_of_a_thin_wall_is_all_but_closed, VT_SOAK_LOOPS(2, 6))
         vor_to_floats(&in.xyz[3 * i], (double[]){out * cos(way), out * sin(way), up});
     }
     mesh_of(&meshed, &in, 2000);
-    ck_assert_uint_le(open_edges(&meshed.mesh), _i % 2 == 0 ? 8 : 40);
+    open = open_edges(&meshed.mesh);
     vt_meshed_free(&meshed);
     vor_cloud_free(&in);
+    return open;
+}
+
+/* A bowl of radius 1 whose wall is 1.55 spacings of its points thick. From four times as many
+ * points one of eight draws has 4 open edges, the others none. From as many, the draws whose faces
+ * clustering parts have 0, 0 and 10; 115 to 125 where lists do not go around the rim. */
+VT_TEST_FIGURES(a_bowl_of_a_thin_wall_is_all_but_closed, VT_SOAK_LOOPS(2, 8))
+{
+    ck_assert_uint_le(open_edges_of_a_bowl((uint64_t)_i, 8000), 8);
+    if (_i == 0 || _i == 3 || _i == 4)
+        ck_assert_uint_le(open_edges_of_a_bowl((uint64_t)_i, 2000), 20);
 }
 
 VT_TEST_FIGURES(a_square_has_one_loop_and_a_cylinder_two, VT_FEWER(VT_SOAK_LOOPS(1, 20)))
@@ -302,7 +308,7 @@ VT_TEST_FIGURES(balls_a_spacing_apart_stay_two, VT_SOAK_LOOPS(2, 8))
 #define WAVES 18.0
 #define APART 0.4
 
-/* Largest share of the triangles that may join them: of ten seeds 0.001 to 0.012. */
+/* Largest share of the triangles that may join them: of six seeds 0.002 to 0.018. */
 #define JOINING 0.02
 
 /* How far a point is over the lower of two wavy sheets, over their distance: 0 there, 1 on the
@@ -329,7 +335,7 @@ static size_t joining(const struct vt_meshed *meshed, double apart)
 
 /* Fits alone leave points 0.014 off on average, the surface through the points 0.007. */
 VT_TEST_FIGURES(a_mesh_of_two_sheets_that_bend_lies_on_them_and_joins_them_at_few_places,
-                VT_SOAK_LOOPS(1, 2))
+                VT_SOAK_LOOPS(1, 6))
 {
     double apart = APART / sqrt(IN), off = 0;
     struct vor_cloud in;
