@@ -165,7 +165,8 @@ static int is_closed(const struct vor_winding_found *found)
 }
 
 /* Whether a component takes signs spread once more, by how far winding numbers beside the surface
- * are from what a closed one has: by votes, which mend single points, unless that closes it worse
+ * are from what a closed one has (of a noisy star 0.016, with two sides of an arm the wrong way
+ * 0.034): by votes, which mend single points, unless that closes it worse
  * by a quarter; else where that closes it better by a quarter. */
 static int takes(enum by by, const struct vor_winding_found *was,
                  const struct vor_winding_found *now)
@@ -236,6 +237,7 @@ static vor_status mend(struct vor_propagation *propagation, const struct vor_run
         closed += is_closed(&found[c]);
     if (closed > 0 && propagation->vote)
         VOR_THEN(status, try_anew(propagation, found, run, err));
+    /* A fourth as for `apart`; the noisy star is spread once more in vain. */
     for (size_t c = 0; c < components && status == VOR_OK; c++)
         apart += found[c].stray >= APART / 4;
     if (apart > 0)

@@ -172,7 +172,7 @@ size_t vor_crossing_near(const struct vor_complex *complex, const struct vor_bal
     return t;
 }
 
-/* Whether lists lead from a corner of triangle t to one of another. */
+/* Whether lists lead from triangle t to another: from its first corner, a spacing from the rest. */
 static int is_related(const struct crossing *crossing, size_t t, size_t other)
 {
     const uint32_t *root = crossing->sheet->root;

@@ -92,14 +92,15 @@ static inline struct vor_repel_pace vor_repel_pace_at(unsigned hard, unsigned do
 /** Longest step, in spacings. At 0.025 / 0.05 / 0.1: autzen 0.117 / 0.103 / 0.094 (spread 6 %), its
  *  searches 171 / 198 / 233 thousand, largest distance on fandisk 4.4e-3 / 4.5e-3 / 5.9e-3. */
 #define VOR_REPEL_STEP_MAX 0.05
-/** Largest (h/d)^(2S) of a pair where triangles follow. Steps are bounded, so 25 and 100 move no
- *  figure. */
+/** Largest (h/d)^(2S) of a pair where triangles follow, and in lop/even. Steps are bounded, so 25
+ * and 100 move no figure. */
 #define VOR_REPEL_FORCE_MAX 50.0
 
 /** The same; without triangles that of half a spacing. From where it is reached, far points repel
  *  more than near ones, and crowded points pair: 50 is reached at 0.87 spacings. At 0.1 / 0.5 / 0.7
  *  / 0.87, scan of a building to 10,000, which is crowded where it is sparse: 0.113 / 0.112 / 0.136
- *  / 0.141. With triangles, 3 of 20 tetrahedra are not closed at 0.5; at 50 all are. */
+ *  / 0.141. With triangles, which are made by the processes that take soup, 3 of 20 tetrahedra are
+ *  not closed at 0.5; at 50 all are. */
 static inline float vor_repel_most(const struct vor_spec *spec, unsigned power)
 {
     return vor_process_takes(spec->process, VOR_PARAM_SOUP) ? (float)VOR_REPEL_FORCE_MAX

@@ -56,11 +56,9 @@ static const struct vor_command others[] = {
      "Resamples each cloud starting from the result for the one before: points move little from "
      "frame to frame and keep their number, in the attribute track. Frames are taken in the order "
      "given, and each result is written before the next one is computed. If a frame fails, the "
-     "next "
-     "starts from the last result. Default for the number of points: as many as each frame has. "
-     "Attributes that not all frames have are left out; with --server, those that the result "
-     "before "
-     "does not have",
+     "next starts from the last result. Default for the number of points: as many as each frame "
+     "has. Attributes that not all frames have are left out; with --server, those that the result "
+     "before does not have",
      VOR_COMMAND_RUNS | VOR_COMMAND_REMOTE | VOR_COMMAND_FRAMES, FILES, 1, INT_MAX, NULL,
      run_process},
 };

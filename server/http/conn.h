@@ -22,7 +22,8 @@ struct vor_conn;
 
 struct vor_conn_guard;
 
-/** True when the client has sent bytes that nobody has read yet. */
+/** True when the client has sent bytes that nobody has read yet; of a body in chunks that is
+ * watched, more than those that end a chunk. */
 bool vor_conn_has_unread(const struct vor_conn *conn);
 
 #endif

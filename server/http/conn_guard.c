@@ -138,12 +138,26 @@ void vor_conn_phase(struct vor_conn *conn, enum vor_phase phase)
     unlock(conn->guard);
 }
 
-void vor_conn_watch(struct vor_conn *conn)
+void vor_conn_watch(struct vor_conn *conn, bool is_chunked)
 {
     struct epoll_event events = {.events = EPOLLIN | EPOLLOUT | EPOLLRDHUP | EPOLLET,
                                  .data.ptr = conn};
 
+    lock(conn->guard);
+    conn->skips = is_chunked ? 2 : 0;
+    unlock(conn->guard);
     (void)epoll_ctl(conn->guard->departures, EPOLL_CTL_MOD, conn->fd, &events);
+}
+
+bool vor_conn_news(struct vor_conn *conn)
+{
+    bool news;
+
+    lock(conn->guard);
+    news = conn->has_news;
+    conn->has_news = false;
+    unlock(conn->guard);
+    return news;
 }
 
 void vor_conn_received(struct vor_conn *conn, size_t bytes)
@@ -247,6 +261,7 @@ static void note_departures(struct vor_conn_guard *guard)
             bool leaves = (events[i].events & (EPOLLRDHUP | EPOLLHUP | EPOLLERR)) != 0;
 
             conn->has_left |= leaves;
+            conn->has_news |= (events[i].events & EPOLLIN) != 0 && vor_conn_has_unread(conn);
             if (conn->waker == NULL || (leaves && !conn->is_waiting))
                 continue;
             if (leaves) {

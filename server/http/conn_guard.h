@@ -40,7 +40,10 @@ enum vor_conn_excess vor_conn_excess(struct vor_conn_guard *guard, const struct 
 void vor_conn_phase(struct vor_conn *conn, enum vor_phase phase);
 
 /** From now on its requests are woken when bytes come or may be sent, too. */
-void vor_conn_watch(struct vor_conn *conn);
+void vor_conn_watch(struct vor_conn *conn, bool is_chunked);
+
+/** Whether bytes came to a watched connection since this was last asked. */
+bool vor_conn_news(struct vor_conn *conn);
 
 /** Bytes of the body came. */
 void vor_conn_received(struct vor_conn *conn, size_t bytes);

@@ -156,7 +156,7 @@ bool vor_conn_has_unread(const struct vor_conn *conn)
 {
     int unread = 0;
 
-    return ioctl(conn->fd, FIONREAD, &unread) != 0 || unread > 0;
+    return ioctl(conn->fd, FIONREAD, &unread) != 0 || unread > conn->skips;
 }
 
 /* The oldest of a queue, without the newcomer, that has been silent for long enough and of whom no

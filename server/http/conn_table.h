@@ -41,6 +41,8 @@ struct vor_conn {
     double sampled_at;       /**< 0: not yet */
     bool is_waiting;         /**< its request is suspended: watch for the client leaving */
     bool has_left;           /**< the client has closed its side */
+    int skips;               /**< so few unread bytes are no news: those that end a chunk */
+    bool has_news;           /**< more have come since vor_conn_news */
     bool lingers;            /**< read on after the close, so that the reply is not reset away */
     bool is_due;             /**< its request is to be woken: it is in that queue */
     double wake_at;          /**< 0: no timer */

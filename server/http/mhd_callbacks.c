@@ -16,7 +16,8 @@
 enum {
     STREAM_BLOCK = 1024, /* bytes of a reply in HTTP/1.0 at a time; held for its whole life */
     EARLY_ROOM = 16384,  /* bytes of a reply that began before the body was in, at a time */
-    EARLY_HEAD = 8       /* before them: their number, of six digits, in a line */
+    EARLY_HEAD = 8,      /* before them: their number, of six digits, in a line */
+    EARLY_PIECES = 512 /* of them that are sent before the thread's other connections have a turn */
 };
 
 /* Suspends the request; false when it should go on at once, because it was woken already or the
@@ -138,7 +139,7 @@ static bool send_early(struct vor_request *request)
         vor_conn_late(request->conn, NULL);
         vor_conn_linger(request->conn);
     }
-    for (;;) {
+    for (int pieces = 0; pieces < EARLY_PIECES; pieces++) {
         char *piece = request->early + EARLY_HEAD;
         char head[EARLY_HEAD + 1];
         ssize_t sent = send_raw(request, request->early + request->early_at,
@@ -166,6 +167,8 @@ static bool send_early(struct vor_request *request)
         request->early_size = EARLY_HEAD + size + 2;
         request->early_at = 0;
     }
+    vor_request_wake_after(request, 0);
+    return true;
 }
 
 /* Sends the rest of such a reply. The library has none, so the connection is dropped then. */
@@ -363,12 +366,14 @@ static enum MHD_Result end_body(struct vor_request *request, const struct vor_re
 
 /* Takes a piece of the body. Where the reply may begin before the body is in, and has something to
  * wait for, the request sleeps once no more bytes are there. The library calls for one that was
- * awake only when it has bytes, so the last is left with it, although it is taken. */
+ * awake only when it has bytes, so the last is left with it, although it is taken. It does not pass
+ * the end of a chunk before: bytes that came meanwhile are behind that, so the byte is let go. */
 static enum MHD_Result take_piece(struct vor_request *request, const char *bytes, size_t *size)
 {
     struct vor_refusal refusal;
     char detail[128];
     size_t fresh = *size;
+    bool news = false;
 
     if (request->stage != VOR_AT_BODY) {
         *size = 0;
@@ -378,6 +383,7 @@ static enum MHD_Result take_piece(struct vor_request *request, const char *bytes
         bytes++;
         fresh--;
         vor_conn_wait(request->conn, false);
+        news = vor_conn_news(request->conn) && request->length < 0;
     }
     request->is_held = false;
     request->received += fresh;
@@ -400,7 +406,9 @@ static enum MHD_Result take_piece(struct vor_request *request, const char *bytes
             vor_conn_phase(request->conn, waits ? VOR_PHASE_STREAM : VOR_PHASE_BODY);
         }
         *size = 0;
-        if (!waits || vor_conn_has_unread(request->conn))
+        if (waits)
+            (void)vor_conn_news(request->conn);
+        if (!waits || news || vor_conn_has_unread(request->conn))
             return MHD_YES;
         *size = 1;
         request->is_held = request_sleep(request, false);

@@ -57,7 +57,7 @@ bool vor_request_reply_early(struct vor_request *request, bool (*waits)(void *ct
     if (request->conn == NULL || strcmp(request->head.version, "HTTP/1.1") != 0)
         return false;
     request->waits = waits;
-    vor_conn_watch(request->conn);
+    vor_conn_watch(request->conn, request->length < 0);
     return true;
 }
 

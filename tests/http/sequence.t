@@ -54,11 +54,13 @@ ok $of_form->{$_->[0]} eq Vt::slurp("$dir/here/$_->[1]"), "a form: $_->[0]" for 
 
 # --- results while later frames arrive ------------------------------------------------------------
 
-# Each frame is sent once the result of the one before has been read, and no byte meanwhile; then these bytes. What came, in chunks.
+# Each frame is sent once the result of the one before has been read, and no byte meanwhile, but for events the end of its chunk; then these
+# bytes. What came, in chunks.
 sub early {
     my ($accept, $end, @results) = @_;
     my ($socket, $got) = ($daemon->connect, '');
-    my $send = sub { $socket->syswrite(sprintf "%x\r\n%s\r\n", length $_[0], $_[0]) };
+    my @apart = $accept =~ /event/ ? ('', "\r\n") : ("\r\n");
+    my $send = sub { $socket->syswrite($_) for sprintf("%x\r\n%s%s", length $_[0], @_, $apart[0]), @apart[1 .. $#apart] };
     $socket->syswrite("POST $path HTTP/1.1\r\nHost: localhost\r\nAccept: $accept\r\nPrefer: respond-early\r\nTransfer-Encoding: chunked\r\n\r\n");
     for my $name (qw(a c d)) {
         $send->(substr archive('-b1', "$name.ply"), 0, -1024);
@@ -101,6 +103,7 @@ for (['no archive', $path, 'x' x 600, 400, 'malformed-request'], ['a part of one
     ['a result that is not there', "$path&previous=job:00000000-0000-7000-8000-000000000000", $whole, 404, 'no-such-job']) {
     my ($what, $where, $body, $status, $slug, %headers) = @$_;
     is_problem($daemon->post($where, $body, %headers), $status, $slug, $what);
+    is_problem($daemon->post($where, $body, %headers, Prefer => 'respond-early'), $status, $slug, "$what, early");
 }
 
 # --- kill -9 in the middle ------------------------------------------------------------------------

@@ -202,7 +202,7 @@ static void on_over(struct vor_deferred *deferred)
 
     for (unsigned i = 0; i < VOR_FLIGHTS; i++)
         vor_flight_leave(&sequence->flights[i]);
-    if (sequence->is_stream)
+    if (sequence->is_stream || sequence->is_early)
         (void)atomic_fetch_sub(&sequence->app->streams, 1);
 }
 
@@ -212,7 +212,10 @@ static void begin_reply(struct vor_sequence *sequence)
 
     sequence->is_stream = true;
     sequence->sent_at = vor_clock_seconds();
-    (void)atomic_fetch_add(&request->app->streams, 1);
+    if (sequence->is_early)
+        vor_reply_header(request, "Preference-Applied", "respond-early");
+    else
+        (void)atomic_fetch_add(&request->app->streams, 1);
     vor_reply_header(request, "Cache-Control", "no-store");
     vor_reply_header(request, "X-Accel-Buffering", "no");
     vor_reply_stream(request, 200, sequence->is_events ? "text/event-stream" : "application/x-tar",
@@ -224,7 +227,8 @@ static bool waits(void *ctx)
 {
     const struct vor_sequence *sequence = ctx;
 
-    return sequence->sent + (sequence->is_open ? 1 : 0) < sequence->count;
+    return sequence->error.status == VOR_OK &&
+           sequence->sent + (sequence->is_open ? 1 : 0) < sequence->count;
 }
 
 static int take_piece(void *ctx, const void *bytes, size_t size)
@@ -347,6 +351,8 @@ static enum vor_next begin(struct vor_request *request)
     sink = (struct vor_body_sink){sequence, take_piece};
     vor_request_take_body(request, &sink, (uint64_t)app->config->number[VOR_SET_BODY_LIMIT]);
     sequence->is_early = preferences.is_early && vor_request_reply_early(request, waits);
+    if (sequence->is_early)
+        (void)atomic_fetch_add(&app->streams, 1);
     return VOR_NEXT_BODY;
 }
 
