@@ -166,8 +166,8 @@ static int is_closed(const struct vor_winding_found *found)
 
 /* Whether a component takes signs spread once more, by how far winding numbers beside the surface
  * are from what a closed one has (of a noisy star 0.016, with two sides of an arm the wrong way
- * 0.034): by votes, which mend single points, unless that closes it worse
- * by a quarter; else where that closes it better by a quarter. */
+ * 0.034): by votes, which mend single points, unless that closes it worse by a quarter; else where
+ * that closes it better by a quarter. */
 static int takes(enum by by, const struct vor_winding_found *was,
                  const struct vor_winding_found *now)
 {

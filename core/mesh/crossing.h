@@ -22,9 +22,10 @@
  *
  *  Where points have moved since they passed through none, corners of triangles that pass through
  *  one that lists lead to are first put back, again as long as that halves their number: around a
- * rim that is narrower than the spacing the triangles are right, and it is the places that are
- * wrong. Between sheets that no lists join it is the triangles. Put back all the same, 79 of 2,513
- * lead from one to the other of two wavy sheets .4 spacings apart (unit/mesh_test); so 14 of 2,672.
+ *  rim that is narrower than the spacing the triangles are right, and it is the places that are
+ *  wrong. Between sheets that no lists join it is the triangles. Put back all the same, 79 of 2,513
+ *  lead from one to the other of two wavy sheets .4 spacings apart (unit/mesh_test); so 14 of
+ *  2,672.
  *
  *  @param[in,out] complex  no point has several fans; stays so
  *  @param[in,out] seeds    its points, which may have moved since `sheet` listed them

@@ -93,7 +93,7 @@ static inline struct vor_repel_pace vor_repel_pace_at(unsigned hard, unsigned do
  *  searches 171 / 198 / 233 thousand, largest distance on fandisk 4.4e-3 / 4.5e-3 / 5.9e-3. */
 #define VOR_REPEL_STEP_MAX 0.05
 /** Largest (h/d)^(2S) of a pair where triangles follow, and in lop/even. Steps are bounded, so 25
- * and 100 move no figure. */
+ *  and 100 move no figure. */
 #define VOR_REPEL_FORCE_MAX 50.0
 
 /** The same; without triangles that of half a spacing. From where it is reached, far points repel

@@ -21,6 +21,9 @@
  * 0.24 / 0.24. */
 enum { PASSES = 3 };
 
+/* Cells in a row of the order that say what is wide there. */
+enum { NEAR_BLOCK = 16 };
+
 /* Streams of random numbers; that of vor_area_draw is 1. */
 enum { STREAM_STRETCH = 1, STREAM_ROUND = 2, STREAM_SAMPLE = 3 };
 
@@ -393,40 +396,30 @@ static double variation(const struct areas *areas)
     return sqrt(fmax(0, sum2 / (double)n / (mean * mean) - 1));
 }
 
-static double area_at(const struct areas *areas, size_t i)
-{
-    return i > 0 ? areas->end[i] - areas->end[i - 1] : areas->end[0];
-}
-
-/* The median area of cells at equal steps, of those that have one. */
-static double usual_area(const struct areas *areas)
-{
-    size_t all = areas->from->n, places = all < VOR_DOMAIN_SAMPLED ? all : VOR_DOMAIN_SAMPLED;
-    size_t count = 0;
-    double area[VOR_DOMAIN_SAMPLED];
-
-    for (size_t i = 0; i < places; i++) {
-        area[count] = area_at(areas, (size_t)((double)i / (double)places * (double)all));
-        count += area[count] > 0;
-    }
-    if (count == 0)
-        return INFINITY;
-    vor_sort_doubles(area, count);
-    return area[count / 2];
-}
-
 /* Turns the areas of cells into equal shares of the seeds. Cells without area get none, nor those
- * as far across as VOR_OUTSIDE_MOVING usual ones: their seeds would hang between objects. */
+ * VOR_OUTSIDE_MOVING times as far across as half of the NEAR_BLOCK that are near them in the order:
+ * their seeds would hang between objects. By all cells, the sparse half of a sphere, a 25th of the
+ * points, gets 313 seeds of 2,127; with 16 / 32 / 64 / 256 2,123, 2,123, 2,123, 2,043. Bytes that
+ * three draws of kitti save (start.h): 36, 36, 38 / 35, 36, 36 / 37, 37, 33 / 37, 39, 33 %. */
 static void share_equally(const struct areas *areas)
 {
-    double across = VOR_OUTSIDE_MOVING, most = across * across * usual_area(areas);
-    double before = 0, cells = 0;
+    double before = 0, cells = 0, wide2 = VOR_OUTSIDE_MOVING * VOR_OUTSIDE_MOVING;
+    size_t n = areas->from->n;
 
-    for (size_t i = 0; i < areas->from->n; i++) {
-        double area = areas->end[i] - before;
+    for (size_t first = 0; first < n; first += NEAR_BLOCK) {
+        size_t count = n - first < NEAR_BLOCK ? n - first : NEAR_BLOCK, used = 0;
+        double area[NEAR_BLOCK], sorted[NEAR_BLOCK] = {0}, most;
 
-        before = areas->end[i];
-        areas->end[i] = cells += area > 0 && area <= most;
+        for (size_t i = 0; i < count; i++) {
+            area[i] = areas->end[first + i] - before;
+            before = areas->end[first + i];
+            sorted[used] = area[i];
+            used += area[i] > 0;
+        }
+        vor_sort_doubles(sorted, used);
+        most = wide2 * sorted[used / 2];
+        for (size_t i = 0; i < count; i++)
+            areas->end[first + i] = cells += area[i] > 0 && area[i] <= most;
     }
 }
 

@@ -139,7 +139,7 @@ enum vor_method_choice {
       "each point to the mean of the input points nearest to it; insert (only with the process "   \
       "upsample): the points of the input stay as they are, with the same positions, in their "    \
       "order, and as many new points as are missing follow them, equally many around each point "  \
-      "of the input, but none where it is very sparse. A polish (see the parameter `polish`) "     \
+      "of the input, but none around one far from others. A polish (see the parameter `polish`) "  \
       "follows every method but kmeans and insert. The result of kmeans is denser where the "      \
       "input is denser, and cannot have more points than the input")                               \
     X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, VOR_PATCH_QUADRIC, "quadric plane",                  \
