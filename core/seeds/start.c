@@ -408,7 +408,7 @@ static void share_equally(const struct areas *areas)
 
     for (size_t first = 0; first < n; first += NEAR_BLOCK) {
         size_t count = n - first < NEAR_BLOCK ? n - first : NEAR_BLOCK, used = 0;
-        double area[NEAR_BLOCK], sorted[NEAR_BLOCK] = {0}, most;
+        double area[NEAR_BLOCK] = {0}, sorted[NEAR_BLOCK] = {0}, most;
 
         for (size_t i = 0; i < count; i++) {
             area[i] = areas->end[first + i] - before;
