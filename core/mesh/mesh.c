@@ -1,5 +1,6 @@
 #include "core/mesh/mesh.h"
 
+#include "core/mesh/carry.h"
 #include "core/mesh/crossing.h"
 #include "core/mesh/describe.h"
 #include "core/mesh/exact.h"
@@ -82,7 +83,7 @@ static int may_repair(const struct making *making)
     const struct vor_seeds *seeds = making->seeds;
 
     return making->how->repairs && making->sheet.graph == NULL && seeds->wanted.value == NULL &&
-           seeds->track == NULL && seeds->normal == NULL;
+           seeds->track == NULL;
 }
 
 /* Draws in points that hang in the air: before a repair, all of them. In one, those where the mesh
@@ -249,6 +250,26 @@ static vor_status make(struct making *making, struct vor_error *err)
     return status == VOR_OK ? vor_run_call(run, finish, making, err) : status;
 }
 
+/* The same; normals that the method found stay where they were as the points move. */
+static vor_status make_with_normals(struct making *making, struct vor_error *err)
+{
+    struct vor_seeds *seeds = making->seeds;
+    struct vor_memory *memory = seeds->run.memory;
+    float *before;
+    vor_status status;
+
+    if (!making->how->moves || seeds->normal == NULL)
+        return make(making, err);
+    before = vor_malloc(memory, seeds->n, 3 * sizeof *before);
+    if (before == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
+    memcpy(before, seeds->xyz, 3 * seeds->n * sizeof *before);
+    status = make(making, err);
+    VOR_THEN(status, vor_carry_normals(seeds, &making->complex, before, err));
+    vor_free(memory, before);
+    return status;
+}
+
 vor_status vor_mesh_make(struct vor_mesh *out, struct vor_report *report, struct vor_seeds *seeds,
                          const struct vor_mesh_how *how, struct vor_error *err)
 {
@@ -258,7 +279,7 @@ vor_status vor_mesh_make(struct vor_mesh *out, struct vor_report *report, struct
     report->has_mesh = 1;
     report->mesh_manifold = VOR_YES;
     if (seeds->n >= 3)
-        status = make(&making, err);
+        status = make_with_normals(&making, err);
     vor_complex_free(&making.complex);
     vor_sheet_free(&making.sheet);
     return status;

@@ -2,10 +2,11 @@
  *
  *  An advancing front (mesh/front.h), and small loops closed (mesh/close.h), some by
  *  making what is around them anew (mesh/carve.h). Then edges are flipped (mesh/flip.h) and points
- * moved a little (mesh/relax.h), so that triangles become better. Where edges are open then, the
- * front goes on once more. At last faults may be repaired (mesh/repair.h): not where there are
- * sheets, a density, an earlier result, or normals that the method found. What comes out is a
- * manifold, turned one way (mesh/facing.h).
+ *  moved a little (mesh/relax.h), so that triangles become better. Where edges are open then, the
+ *  front goes on once more. At last faults may be repaired (mesh/repair.h): not where there are
+ *  sheets, a density or an earlier result. What comes out is a manifold, turned one way
+ *  (mesh/facing.h). Normals that the method found are those of where the points are then
+ *  (mesh/carry.h).
  *
  *  Source: Cohen-Steiner and Da 2004, as mesh/front.h says. Departure: not the dual of restricted
  *  cells as in Chen et al. 2018, Sec. 5.7: three cells rarely agree at creases and tips. */
@@ -31,7 +32,7 @@ struct vor_mesh_how {
  *  @param[in,out] report  receives the members mesh but its seconds; lengths in the domain's unit
  *  @param[in,out] seeds   on the whole domain; they move where how->moves says so
  *
- *  @retval VOR_E_NOMEM 190 bytes a seed do not fit, or vor_adjacency_make where there are sheets
+ *  @retval VOR_E_NOMEM 200 bytes a seed do not fit, or vor_adjacency_make where there are sheets
  *  @retval VOR_E_CANCELLED
  *
  *  O(n log n), on the run's pool, half of it on one thread. The same bytes for any number of

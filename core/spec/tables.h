@@ -352,9 +352,9 @@ enum vor_method_choice {
       "than six triangles, edges are flipped, and a point is removed in one place and added in "   \
       "another, where that makes the triangles better, and then corners of the worst triangles "   \
       "move, and edges near them are flipped. The worst triangles become better, distances at "    \
-      "creases a little less even, and the run takes up to 30 percent longer, on a rough scan up " \
+      "creases a little less even, and the run takes up to 60 percent longer, on a rough scan up " \
       "to three times as long. Used only with a polish, density=uniform and metric=isotropic, "    \
-      "not with a previous result, method=ear, or an input of several layers")                     \
+      "not with a previous result or an input of several layers")                                  \
     X(BASELINES, baselines, FLAG, OUTPUT, "", 0, 0, 0, "",                                         \
       "Also run four simple methods on the same input and add their figures to the report: "       \
       "k-means, random sampling, voxel grid and farthest-point sampling")                          \

@@ -80,7 +80,7 @@ VT_TEST(faults_in_a_lattice_are_mended)
 }
 
 static void mesh_of(struct vt_meshed *out, const struct vor_cloud *in, unsigned threads,
-                    const char *repair)
+                    const char *method, const char *repair)
 {
     struct vt_engine engine;
 
@@ -88,6 +88,7 @@ static void mesh_of(struct vt_meshed *out, const struct vor_cloud *in, unsigned 
     vor_spec_preset(&engine.spec, vor_process_find("mesh"));
     vt_engine_count(&engine, "points", POINTS);
     vt_engine_set(&engine, "polish", "30");
+    vt_engine_set(&engine, "method", method);
     vt_engine_set(&engine, "repair", repair);
     vt_assert_ok(vt_engine_mesh(out, in, &engine));
     vt_engine_close(&engine);
@@ -97,7 +98,8 @@ VT_TEST_LOOP(triangles_become_better, VT_SOAK_LOOPS(2, 20))
 {
     static void (*const make[])(struct vor_cloud *, uint64_t, size_t) = {
         vt_cloud_sphere, vt_cloud_torus, vt_cloud_square, vt_cloud_box, vt_cloud_box};
-    static const double more[] = {-0.005, -0.005, -0.010, 0.015, 0}; /* box: 0.012, fine start */
+    /* The least of 20 seeds: -.0051, -.0051, -.0077, .0119; .0168. */
+    static const double more[] = {-0.006, -0.006, -0.010, 0.010, 0.010};
 
     for (size_t s = 0; s < sizeof make / sizeof *make; s++) {
         int sharp = s == 4; /* sheared; with more shear most faces count as sheets: no repair */
@@ -107,9 +109,9 @@ VT_TEST_LOOP(triangles_become_better, VT_SOAK_LOOPS(2, 20))
         make[s](&in, sharp ? 1 : (uint64_t)_i + 1, IN);
         for (size_t i = 0; sharp && i < in.n; i++)
             in.xyz[3 * i] += 0.3F * in.xyz[3 * i + 2];
-        mesh_of(&plain, &in, 2, "none");
+        mesh_of(&plain, &in, 2, "cvt", "none");
         for (unsigned t = 0; t < 3; t++) {
-            mesh_of(&mended[t], &in, t + 1, "auto");
+            mesh_of(&mended[t], &in, t + 1, "cvt", "auto");
             ck_assert_uint_eq(vt_cloud_hash(&mended[t].cloud), vt_cloud_hash(&mended[0].cloud));
             ck_assert_uint_eq(mended[t].mesh.count, mended[0].mesh.count);
             ck_assert_mem_eq(mended[t].mesh.triangle, mended[0].mesh.triangle,
@@ -123,10 +125,56 @@ VT_TEST_LOOP(triangles_become_better, VT_SOAK_LOOPS(2, 20))
         ck_assert(s > 1 || mended[0].report.delta < 0.95 * plain.report.delta); /* borders */
         ck_assert_double_gt(mended[0].report.mesh_quality_mean - plain.report.mesh_quality_mean,
                             more[s]);
-        ck_assert_double_ge(mended[0].report.mesh_angle_min, sharp ? 44 : 37);
+        ck_assert_double_ge(mended[0].report.mesh_angle_min, s == 2 ? 37 : 44);
         for (unsigned t = 0; t < 3; t++)
             vt_meshed_free(&mended[t]);
         vt_meshed_free(&plain);
         vor_cloud_free(&in);
     }
+}
+
+/* Points within .01 of no face of the cube that looks as they do, but for 26 degrees. */
+static size_t count_wrong(const struct vor_cloud *cube)
+{
+    const float *normal = vor_cloud_find(cube, VOR_NORMAL)->data;
+    size_t wrong = 0;
+
+    for (size_t i = 0; i < cube->n; i++) {
+        double best = -1;
+
+        for (size_t face = 0; face < 6; face++) {
+            double x = (double)cube->xyz[3 * i + face % 3], n = (double)normal[3 * i + face % 3];
+
+            if (fabs(face < 3 ? x : 1 - x) < 0.01)
+                best = fmax(best, face < 3 ? -n : n);
+        }
+        wrong += best < 0.9;
+    }
+    return wrong;
+}
+
+/* A method's normals are those of where its points are at last. Of 1,500, 21 to 38 were wrong where
+ * points kept theirs as they moved, and 53 to 72 after a repair; at most 6 are. */
+VT_TEST_LOOP(normals_go_with_the_surface, VT_SOAK_LOOPS(2, 20))
+{
+    struct vor_cloud in;
+    struct vt_meshed plain, mended[3];
+
+    vt_cloud_box(&in, (uint64_t)_i + 1, IN);
+    mesh_of(&plain, &in, 2, "ear", "none");
+    for (unsigned t = 0; t < 3; t++) {
+        mesh_of(&mended[t], &in, t + 1, "ear", "auto");
+        ck_assert_uint_eq(vt_cloud_hash(&mended[t].cloud), vt_cloud_hash(&mended[0].cloud));
+    }
+    ck_assert_uint_le(count_wrong(&plain.cloud), 6);
+    ck_assert_uint_le(count_wrong(&mended[0].cloud), 6);
+    ck_assert_double_gt(mended[0].report.mesh_quality_mean, plain.report.mesh_quality_mean + 0.015);
+    ck_assert_double_ge(mended[0].report.mesh_angle_min, 44);
+    ck_assert_uint_eq(mended[0].cloud.n, POINTS);
+    ck_assert_int_eq(mended[0].report.mesh_closed, VOR_YES);
+    ck_assert_int_eq(mended[0].report.mesh_manifold, VOR_YES);
+    for (unsigned t = 0; t < 3; t++)
+        vt_meshed_free(&mended[t]);
+    vt_meshed_free(&plain);
+    vor_cloud_free(&in);
 }
