@@ -1,59 +1,72 @@
 #include "core/geom/boundary.h"
 
 #include "core/base/linalg.h"
+#include "core/geom/fours.h"
 
 #include <string.h>
 
 /* Squared distance from x to the nearest of the points; *which is its index. */
-static double nearest2(const float *near, unsigned k, const double x[3], unsigned *which)
+VOR_CLONES static double nearest2(const float *near, unsigned k, const double x[3], unsigned *which)
 {
-    double best = INFINITY;
+    vor_fours best = INFINITY - (vor_fours){0};
+    vor_fours_marks at = {0}, here = {0, 1, 2, 3};
+    double least = INFINITY;
 
-    for (unsigned i = 0; i < k; i++) {
-        double d[3] = {(double)near[3 * i] - x[0], (double)near[3 * i + 1] - x[1],
-                       (double)near[3 * i + 2] - x[2]};
-        double d2 = vor_dot(d, d);
+    for (unsigned i = 0; i < k; i += VOR_FOURS_LANES) {
+        vor_fours d[3], d2;
+        vor_fours_marks less;
 
-        if (d2 < best) {
-            best = d2;
-            *which = i;
-        }
+        vor_fours_ways(d, near, k, i, x);
+        vor_fours_squares(&d2, d);
+        less = d2 < best;
+        best = VOR_FOURS_CHOOSE(less, d2, best);
+        at = (here & less) | (at & ~less);
+        here += VOR_FOURS_LANES;
     }
-    return best;
+    for (int j = 0; j < VOR_FOURS_LANES; j++)
+        if (best[j] < least || (best[j] <= least && at[j] < *which && least < INFINITY)) {
+            least = best[j];
+            *which = (unsigned)at[j];
+        }
+    return least;
 }
 
-int vor_boundary_goes_on(const float *near, unsigned k, const double foot[3], const double way[3],
-                         double within)
+VOR_CLONES int vor_boundary_goes_on(const float *near, unsigned k, const double foot[3],
+                                    const double way[3], double within)
 {
-    for (unsigned i = 0; i < k; i++) {
-        double d[3] = {(double)near[3 * i] - foot[0], (double)near[3 * i + 1] - foot[1],
-                       (double)near[3 * i + 2] - foot[2]};
-        double along = vor_dot(way, d), far;
+    for (unsigned i = 0; i < k; i += VOR_FOURS_LANES) {
+        vor_fours d[3], ahead, far;
+        vor_fours_marks on;
 
-        if (!(along > 0))
-            continue;
-        far = sqrt(vor_dot(d, d));
-        if (far <= within && along >= VOR_AHEAD_NARROW * far)
+        vor_fours_ways(d, near, k, i, foot);
+        vor_fours_along(&ahead, way, d);
+        vor_fours_squares(&far, d);
+        for (int j = 0; j < VOR_FOURS_LANES; j++)
+            far[j] = sqrt(far[j]);
+        on = (ahead > 0) & (far <= within) & (ahead >= VOR_AHEAD_NARROW * far);
+        if (vor_fours_any(&on))
             return 1;
     }
     return 0;
 }
 
-double vor_boundary_end(const struct vor_surface *frame, const double seed[3], const double side[2],
-                        const float *near, unsigned k)
+VOR_CLONES double vor_boundary_end(const struct vor_surface *frame, const double seed[3],
+                                   const double side[2], const float *near, unsigned k)
 {
+    vor_fours farthest = -INFINITY - (vor_fours){0};
     double way[3], last = -INFINITY;
 
     for (int c = 0; c < 3; c++)
         way[c] = side[0] * frame->axis[0][c] + side[1] * frame->axis[1][c];
-    for (unsigned i = 0; i < k; i++) {
-        double d[3] = {(double)near[3 * i] - frame->origin[0],
-                       (double)near[3 * i + 1] - frame->origin[1],
-                       (double)near[3 * i + 2] - frame->origin[2]};
-        double along = vor_dot(way, d);
+    for (unsigned i = 0; i < k; i += VOR_FOURS_LANES) {
+        vor_fours d[3], ahead;
 
-        last = along > last ? along : last;
+        vor_fours_ways(d, near, k, i, frame->origin);
+        vor_fours_along(&ahead, way, d);
+        farthest = VOR_FOURS_CHOOSE(ahead > farthest, ahead, farthest);
     }
+    for (int j = 0; j < VOR_FOURS_LANES; j++)
+        last = farthest[j] > last ? farthest[j] : last;
     return last - (side[0] * seed[0] + side[1] * seed[1]);
 }
 
@@ -163,21 +176,26 @@ int vor_boundary_beyond(const struct vor_surface *surface, const float *near, un
 }
 
 /* vor_boundary_spacing where the point nearest to x is known. */
-static double spacing_at(const float *near, unsigned k, unsigned which)
+VOR_CLONES static double spacing_at(const float *near, unsigned k, unsigned which)
 {
-    double best[3] = {INFINITY, INFINITY, INFINITY};
+    double best[3] = {INFINITY, INFINITY, INFINITY}, from[3];
 
-    for (unsigned i = 0; i < k; i++) {
-        double d2 = vor_distance2f(&near[3 * i], &near[3 * which]);
+    vor_to_doubles(from, &near[3 * (size_t)which]);
+    for (unsigned i = 0; i < k; i += VOR_FOURS_LANES) {
+        vor_fours d[3], d2;
 
-        if (i == which || d2 >= best[2])
-            continue;
-        best[2] = d2;
-        for (int j = 2; j > 0 && best[j] < best[j - 1]; j--) {
-            double swap = best[j];
+        vor_fours_ways(d, near, k, i, from);
+        vor_fours_squares(&d2, d);
+        for (unsigned j = 0; j < VOR_FOURS_LANES && i + j < k; j++) {
+            if (i + j == which || d2[j] >= best[2])
+                continue;
+            best[2] = d2[j];
+            for (int at = 2; at > 0 && best[at] < best[at - 1]; at--) {
+                double swap = best[at];
 
-            best[j] = best[j - 1];
-            best[j - 1] = swap;
+                best[at] = best[at - 1];
+                best[at - 1] = swap;
+            }
         }
     }
     return sqrt(best[2]);
@@ -245,17 +263,20 @@ int vor_boundary_pull(const float *near, unsigned k, const double foot[3], doubl
     return 1;
 }
 
-double vor_boundary_reach(const float *near, unsigned k, const double x[3])
+VOR_CLONES double vor_boundary_reach(const float *near, unsigned k, const double x[3])
 {
-    double far2 = 0, d2;
+    vor_fours most = {0};
+    double far2 = 0;
 
-    for (unsigned i = 0; i < k; i++) {
-        double d[3] = {(double)near[3 * i] - x[0], (double)near[3 * i + 1] - x[1],
-                       (double)near[3 * i + 2] - x[2]};
+    for (unsigned i = 0; i < k; i += VOR_FOURS_LANES) {
+        vor_fours d[3], d2;
 
-        d2 = vor_dot(d, d);
-        far2 = d2 > far2 ? d2 : far2;
+        vor_fours_ways(d, near, k, i, x);
+        vor_fours_squares(&d2, d);
+        most = VOR_FOURS_CHOOSE(d2 > most, d2, most);
     }
+    for (int j = 0; j < VOR_FOURS_LANES; j++)
+        far2 = most[j] > far2 ? most[j] : far2;
     return sqrt(far2);
 }
 

@@ -1,7 +1,7 @@
 #include "core/geom/surface.h"
 
 #include "core/base/linalg.h"
-#include "core/base/vector.h"
+#include "core/geom/fours.h"
 
 #include <assert.h>
 #include <float.h>
@@ -370,28 +370,63 @@ double vor_surface_abovef(const struct vor_surface *surface, const float x[3])
     return vor_surface_above(surface, (double[3]){(double)x[0], (double)x[1], (double)x[2]});
 }
 
-double vor_surface_variance(const struct vor_surface *surface, const float *near, unsigned k)
+/* vor_surface_height at four places; also sets the gradients. */
+VOR_INLINE void heights(vor_fours *height, vor_fours gradient[2], const struct vor_surface *s,
+                        const vor_fours at[2])
 {
+    vor_fours u = at[0], v = at[1], du = u - s->center[0], dv = v - s->center[1];
+    vor_fours d2 = du * du + dv * dv, share = {0};
+    vor_fours_marks beyond = d2 > s->reach * s->reach;
+
+    if (vor_fours_any(&beyond)) {
+        for (int j = 0; j < VOR_FOURS_LANES; j++)
+            d2[j] = sqrt(d2[j]);
+        share = VOR_FOURS_CHOOSE(beyond, 1 - s->reach / d2, share);
+    }
+    du *= share; /* how far beyond the reach */
+    dv *= share;
+    u -= du;
+    v -= dv;
+    gradient[0] = s->c[1] + 2 * s->c[3] * u + s->c[4] * v;
+    gradient[1] = s->c[2] + s->c[4] * u + 2 * s->c[5] * v;
+    *height = s->c[0] + u * (s->c[1] + s->c[3] * u + s->c[4] * v) + v * (s->c[2] + s->c[5] * v);
+    *height += gradient[0] * du;
+    *height += gradient[1] * dv;
+}
+
+VOR_CLONES double vor_surface_variance(const struct vor_surface *surface, const float *near,
+                                       unsigned k)
+{
+    const struct vor_surface s = *surface;
     double sum = 0;
 
-    for (unsigned j = 0; surface->kind != VOR_SURFACE_NONE && j < k; j++) {
-        double off = vor_surface_abovef(surface, &near[3 * j]);
+    for (unsigned i = 0; s.kind != VOR_SURFACE_NONE && i < k; i += VOR_FOURS_LANES) {
+        vor_fours way[3], local[3], gradient[2], off;
 
-        sum += off * off;
+        vor_fours_ways(way, near, k, i, s.origin);
+        for (int a = 0; a < 3; a++)
+            vor_fours_along(&local[a], s.axis[a], way);
+        heights(&off, gradient, &s, local);
+        off = local[2] - off;
+        off *= off;
+        for (unsigned j = 0; j < VOR_FOURS_LANES && i + j < k; j++)
+            sum += off[j];
     }
     return sum / (k - VOR_QUADRIC_TERMS);
 }
 
-/* Copies the `few` neighbours nearest to x to out, nearest first; they are nearly in that order. */
-static void take_nearest(float *out, const float *near, unsigned k, unsigned few, const float x[3])
+/* Copies the VOR_REFINED_TO neighbours nearest to x to out, nearest first. */
+static void take_nearest(float *out, const float *near, unsigned k, const float x[3])
 {
-    double distance2[VOR_REFINED_MAX];
-    uint32_t index[VOR_REFINED_MAX];
+    double distance2[VOR_REFINED_TO] = {0};
+    uint32_t index[VOR_REFINED_TO] = {0};
 
     for (uint32_t j = 0; j < k; j++) {
         double d2 = vor_distance2f(&near[3 * j], x);
-        unsigned at = j;
+        unsigned at = j < VOR_REFINED_TO ? j : VOR_REFINED_TO - 1;
 
+        if (at < j && !(d2 < distance2[at]))
+            continue;
         for (; at > 0 && d2 < distance2[at - 1]; at--) {
             distance2[at] = distance2[at - 1];
             index[at] = index[at - 1];
@@ -399,7 +434,7 @@ static void take_nearest(float *out, const float *near, unsigned k, unsigned few
         distance2[at] = d2;
         index[at] = j;
     }
-    vor_gather(out, near, index, few);
+    vor_gather(out, near, index, VOR_REFINED_TO);
 }
 
 int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned k, const float x[3])
@@ -412,7 +447,7 @@ int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned 
     assert(k >= VOR_REFINED_MIN && k <= VOR_REFINED_MAX);
     if (surface->kind != VOR_SURFACE_QUADRIC || coarse2 > thick * thick)
         return 0;
-    take_nearest(few, near, k, VOR_REFINED_TO, x);
+    take_nearest(few, near, k, x);
     vor_surface_fit(&fine, few, VOR_REFINED_TO);
     if (fine.kind != VOR_SURFACE_QUADRIC ||
         VOR_FINER * vor_surface_variance(&fine, few, VOR_REFINED_TO) > coarse2)

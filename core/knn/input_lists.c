@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/base/stat.h"
+#include "core/knn/listed.h"
 
 #include <assert.h>
 #include <math.h>
@@ -107,24 +108,6 @@ static void swap(uint32_t *list, float *distance2, unsigned a, unsigned b)
     distance2[b] = d2;
 }
 
-static unsigned farthest(const float *distance2, unsigned begin, unsigned end)
-{
-    unsigned at = begin;
-
-    for (unsigned j = begin + 1; j < end; j++)
-        at = distance2[j] > distance2[at] ? j : at;
-    return at;
-}
-
-static unsigned nearest(const float *distance2, unsigned begin, unsigned end)
-{
-    unsigned at = begin;
-
-    for (unsigned j = begin + 1; j < end; j++)
-        at = distance2[j] < distance2[at] ? j : at;
-    return at;
-}
-
 /* Moves the k nearest of the list's entries to its front by exchanging the farthest of the front
  * with the nearest of the rest; a query that moved a little needs none or one or two exchanges.
  * Returns their number; *last is the distance of the farthest of the front. */
@@ -132,23 +115,23 @@ static unsigned select(const struct vor_input_lists *lists, size_t i, unsigned k
                        float *last)
 {
     uint32_t *list = &lists->list[i * lists->wide];
-    float distance2[WIDE_MAX];
+    float distance2[VOR_LISTED_ROOM(WIDE_MAX)], most;
     unsigned exchanged = 0, wide = lists->has[i], out, in;
 
-    memset(distance2, 0, wide * sizeof *distance2); /* clang-analyzer cannot see that k >= 1 */
-    for (unsigned j = 0; j < wide; j++)
-        distance2[j] = squared(&lists->reference[3 * (size_t)list[j]], x);
+    vor_listed_distances(distance2, lists->reference, list, wide, x);
     for (;; exchanged++) {
-        out = farthest(distance2, 0, k);
+        most = vor_listed_largest(distance2, k);
         if (k == wide)
             break;
-        in = nearest(distance2, k, wide);
-        if (distance2[out] <= distance2[in])
+        in = k + vor_listed_first(&distance2[k], wide - k);
+        if (most <= distance2[in])
             break;
+        for (out = 0; distance2[out] < most;)
+            out++;
         swap(list, distance2, out, in);
     }
-    *last = sqrtf(distance2[out]);
-    swap(list, distance2, 0, nearest(distance2, 0, k));
+    *last = sqrtf(most);
+    swap(list, distance2, 0, vor_listed_first(distance2, k));
     return exchanged;
 }
 
@@ -251,15 +234,16 @@ unsigned vor_input_lists_around(const struct vor_input_lists *lists, size_t i, c
 {
     const uint32_t *list = &lists->list[i * lists->wide];
     unsigned wide = lists->has[i], count = 0;
-    float distance2[WIDE_MAX], sure;
+    float distance2[WIDE_MAX], all2[VOR_LISTED_ROOM(WIDE_MAX)], sure;
 
     assert(k >= 1 && k <= WIDE_MAX);
     memset(distance2, 0, k * sizeof *distance2); /* clang-analyzer cannot see that count <= k */
     if (lists->reach[i] < 0)
         return 0;
     sure = lists->reach[i] - sqrtf(squared(&lists->anchor[3 * i], x));
+    vor_listed_distances(all2, lists->reference, list, wide, x);
     for (unsigned j = 0; j < wide; j++) {
-        float d2 = squared(&lists->reference[3 * (size_t)list[j]], x);
+        float d2 = all2[j];
         unsigned at;
 
         if (sqrtf(d2) * ROUNDING > sure || (count == k && d2 >= distance2[k - 1]))

@@ -1,7 +1,7 @@
 #include "core/knn/point_lists.h"
 
 #include "core/base/linalg.h"
-#include "core/base/vector.h"
+#include "core/knn/listed.h"
 
 #include <assert.h>
 #include <string.h>
@@ -74,16 +74,10 @@ static void bounds(float within[VOR_KNN_NEAR_MAX], const struct vor_point_lists 
     for (size_t q = 0; q < count; q++) {
         const float *at = &lists->anchor[3 * (size_t)of[q]];
         const uint32_t *list = &lists->list[(size_t)of[q] * lists->listed];
-        float far2 = 0;
+        float all2[VOR_LISTED_ROOM(VOR_POINT_LISTS_LISTED_MAX)];
 
-        for (unsigned j = 0; j < lists->listed; j++) {
-            const float *b = &lists->anchor[3 * (size_t)list[j]];
-            float x = at[0] - b[0], y = at[1] - b[1], z = at[2] - b[2];
-            float d2 = x * x + y * y + z * z;
-
-            far2 = d2 > far2 ? d2 : far2;
-        }
-        within[q] = sqrtf(far2);
+        vor_listed_distances(all2, lists->anchor, list, lists->listed, at);
+        within[q] = lists->listed > 0 ? sqrtf(vor_listed_largest(all2, lists->listed)) : 0;
     }
 }
 
@@ -243,10 +237,12 @@ static void sort_list(struct vor_crowd *out, struct vor_point_lists *lists,
                       const struct vor_point_lists_view *view, size_t i)
 {
     uint32_t *list = &lists->list[i * lists->listed];
+    float all2[VOR_LISTED_ROOM(VOR_POINT_LISTS_LISTED_MAX)];
 
     out->count = lists->listed;
+    vor_listed_distances(all2, view->xyz, list, lists->listed, &view->xyz[3 * i]);
     for (unsigned j = 0; j < lists->listed; j++)
-        insert(out, j, list[j], distance2(view, i, list[j]));
+        insert(out, j, list[j], all2[j]);
     memcpy(list, out->index, lists->listed * sizeof *list);
     out->sure = sure_of(lists, view, i);
 }
@@ -312,10 +308,11 @@ static int has_poor(const struct vor_point_lists *lists, const struct vor_point_
 {
     const uint32_t *list = &lists->list[i * lists->listed];
     double sure = sure_of(lists, view, i);
-    float six2[6] = {0};
+    float six2[6] = {0}, all2[VOR_LISTED_ROOM(VOR_POINT_LISTS_LISTED_MAX)];
 
+    vor_listed_distances(all2, view->xyz, list, lists->listed, &view->xyz[3 * i]);
     for (unsigned j = 0; j < lists->listed; j++) {
-        float d2 = distance2(view, i, list[j]);
+        float d2 = all2[j];
         unsigned at = j < 6 ? j : 5;
 
         if (j == 6 && !is_poor(sure, six2[5]))
@@ -393,19 +390,18 @@ unsigned vor_point_lists_within(struct vor_crowd *out, struct vor_point_lists *l
                                 const struct vor_point_lists_view *view, size_t i, double distance)
 {
     const uint32_t *list = &lists->list[i * lists->listed];
+    float all2[VOR_LISTED_ROOM(VOR_POINT_LISTS_LISTED_MAX)];
 
     out->sure = sure_of(lists, view, i);
     if (out->sure < distance)
         return vor_point_lists_crowd(out, lists, view, i);
     out->sure = distance;
     out->count = 0;
+    vor_listed_distances(all2, view->xyz, list, lists->listed, &view->xyz[3 * i]);
     for (unsigned j = 0; j < lists->listed; j++) {
-        float d2 = distance2(view, i, list[j]);
-
-        if ((double)d2 < distance * distance) {
-            out->index[out->count] = list[j];
-            out->distance2[out->count++] = d2;
-        }
+        out->index[out->count] = list[j];
+        out->distance2[out->count] = all2[j];
+        out->count += (double)all2[j] < distance * distance;
     }
     add_jumpers(out, view, i);
     return 0;
@@ -436,14 +432,12 @@ double vor_point_lists_nearest(const struct vor_point_lists *lists,
                                const struct vor_point_lists_view *view, size_t i)
 {
     const uint32_t *list = &lists->list[i * lists->listed];
-    float best = INFINITY;
+    float best = INFINITY, all2[VOR_LISTED_ROOM(VOR_POINT_LISTS_LISTED_MAX)];
     double found;
 
-    for (unsigned j = 0; j < lists->listed; j++) {
-        float d2 = distance2(view, i, list[j]);
-
-        best = d2 < best ? d2 : best;
-    }
+    vor_listed_distances(all2, view->xyz, list, lists->listed, &view->xyz[3 * i]);
+    if (lists->listed > 0)
+        best = all2[vor_listed_first(all2, lists->listed)];
     if (near_jumper(view, i, best))
         for (unsigned j = 0; j < view->jumpers; j++)
             if (view->jumper[j] != i) {
