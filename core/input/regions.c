@@ -24,6 +24,7 @@ enum {
 };
 
 _Static_assert((int)PAIRED <= (int)VOR_VOTES_HEARD, "votes of all pairs are heard");
+_Static_assert(AROUND * sizeof(uint32_t) <= BONDS * sizeof(struct vor_bond), "lists follow bonds");
 
 #define NONE UINT32_MAX
 
@@ -61,6 +62,7 @@ struct regions {
     struct vor_graph *graph;
     struct leaf *leaf;     /* n */
     struct vor_bond *bond; /* n x BONDS */
+    uint32_t *nearest;     /* n x AROUND: the points around each, where bonds were */
     unsigned char *bonds;  /* n */
     uint32_t *region;      /* n: number of a point of it, or NONE */
     uint32_t *next;        /* n: in the next round */
@@ -73,7 +75,8 @@ struct regions {
 struct around {
     unsigned count, regions;
     int none, changed; /* one of them is in no region; or in another one than before */
-    uint32_t index[AROUND], region[CANDIDATES];
+    const uint32_t *index;
+    uint32_t region[CANDIDATES];
     unsigned has[CANDIDATES];
 };
 
@@ -204,17 +207,24 @@ static double beside(const struct regions *regions, uint32_t i, uint32_t region,
     return fabs(at[2] - height) / frame.spacing;
 }
 
-/* Looks around point i, without itself. */
-static void look(struct around *out, const struct regions *regions, uint32_t i,
-                 struct vor_knn_last *last)
+static void nearest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
+    struct regions *regions = ctx;
+    struct vor_knn_last last = {.k = 0};
     float distance2[AROUND];
 
+    for (size_t i = begin; i < end; i++)
+        vor_knn_search_next(regions->domain->knn, &last, point(regions, (uint32_t)i), AROUND,
+                            &regions->nearest[i * AROUND], distance2);
+}
+
+/* Looks around point i, without itself. */
+static void look(struct around *out, const struct regions *regions, uint32_t i)
+{
     out->count = AROUND;
     out->regions = 0;
     out->none = out->changed = 0;
-    vor_knn_search_next(regions->domain->knn, last, point(regions, i), AROUND, out->index,
-                        distance2);
+    out->index = &regions->nearest[(size_t)i * AROUND];
     for (unsigned e = 0; e < AROUND; e++) {
         uint32_t region = regions->region[out->index[e]];
         unsigned c = 0;
@@ -259,14 +269,13 @@ static uint32_t ask(const struct regions *regions, uint32_t i, const struct arou
 static void ask_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct regions *regions = ctx;
-    struct vor_knn_last last = {.k = 0};
     struct around around;
 
     for (size_t i = begin; i < end; i++) {
         uint32_t own = regions->region[i];
 
         regions->next[i] = own;
-        look(&around, regions, (uint32_t)i, &last);
+        look(&around, regions, (uint32_t)i);
         if (!around.none && !around.changed)
             continue;
         regions->mixed[i] = around.none || around.regions > 1;
@@ -309,11 +318,9 @@ static int is_around_rim(const struct regions *regions, uint32_t i, uint32_t j)
 static unsigned take_nearest(const struct regions *regions, uint32_t i, int around,
                              uint32_t taken[VOR_ADJACENT + 1], struct vor_surface *surface)
 {
-    uint32_t index[AROUND];
-    float distance2[AROUND];
+    const uint32_t *index = &regions->nearest[(size_t)i * AROUND];
     unsigned n = 1;
 
-    vor_knn_search(regions->domain->knn, point(regions, i), 1, AROUND, index, distance2);
     taken[0] = i;
     for (unsigned e = 0; e < AROUND && n <= regions->graph->most; e++)
         if (index[e] != i && (regions->region[index[e]] == regions->region[i] ||
@@ -419,6 +426,8 @@ static vor_status make(struct regions *regions, const struct vor_run *run, struc
     VOR_THEN(status, vor_run_for(run, n, BLOCK, bond_block, regions, err));
     vor_votes_free(&regions->votes);
     VOR_THEN(status, decide(regions, run, err));
+    regions->nearest = (uint32_t *)(void *)regions->bond;
+    VOR_THEN(status, vor_run_for(run, n, BLOCK, nearest_block, regions, err));
     memset(regions->before, 0xff, n * sizeof *regions->before);
     for (int round = 0; round < ROUNDS && status == VOR_OK; round++) {
         uint32_t *held = regions->before;
