@@ -22,7 +22,8 @@ vor_status vor_graph_init(struct vor_graph *out, size_t n, unsigned most, struct
 
 void vor_graph_free(struct vor_graph *graph)
 {
-    VOR_FREE_ALL(graph->memory, graph->normal, graph->own, graph->count, graph->list);
+    VOR_FREE_ALL(graph->memory, graph->surface, graph->normal, graph->own, graph->count,
+                 graph->list);
     memset(graph, 0, sizeof *graph);
 }
 

@@ -254,7 +254,9 @@ static vor_status condition(struct vor_domain *domain, struct vor_outliers *outl
                      : vor_islands_count(domain, run, err);
     if (status == VOR_OK && outliers_of(spec) == VOR_OUTLIERS_KEEP && outliers->n > 0)
         status = vor_islands_add(domain, outliers, run, err);
-    return status == VOR_OK ? vor_lists_make(domain, run, err) : status; /* again without islands */
+    VOR_THEN(status, vor_lists_make(domain, run, err)); /* again without islands */
+    VOR_THEN(status, vor_lists_keep(domain, run, err));
+    return status;
 }
 
 vor_status vor_input_prepare(struct vor_domain *out, const struct vor_cloud *in,

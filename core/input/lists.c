@@ -9,6 +9,11 @@
 #include <math.h>
 #include <string.h>
 
+enum {
+    BLOCK = 256,         /* points of one task */
+    KEPT_SIZE = 1 << 11, /* points of a domain whose surfaces are kept, in 400 kB */
+};
+
 static vor_status make_local(struct vor_domain *domain, const struct vor_run *run,
                              struct vor_error *err)
 {
@@ -111,20 +116,46 @@ void vor_lists_points(float *near, const struct vor_domain *domain, uint32_t roo
         memcpy(&near[3 * j], &near[3 * (j - count)], 3 * sizeof *near);
 }
 
-/* Fits to the list of a point. */
-static void fit_to(struct vor_surface *out, const struct vor_domain *domain, uint32_t root,
-                   unsigned k)
-{
-    float near[3 * VOR_ADJACENT];
-    unsigned count = copy_list(near, domain, root, k);
-
-    vor_surface_fit(out, near, count);
-}
-
 int vor_lists_are(const struct vor_domain *domain, unsigned k)
 {
     return domain->known.lists != VOR_LISTS_NONE && vor_graph_is(&domain->graph) &&
            k <= VOR_ADJACENT;
+}
+
+/* Fits to the list of a point, or takes what is kept of that. */
+static void fit_to(struct vor_surface *out, const struct vor_domain *domain, uint32_t root,
+                   unsigned k)
+{
+    float near[3 * VOR_ADJACENT];
+
+    if (k == VOR_ADJACENT && domain->graph.surface != NULL)
+        *out = domain->graph.surface[root];
+    else
+        vor_surface_fit(out, near, copy_list(near, domain, root, k));
+}
+
+static void keep_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
+{
+    const struct vor_domain *domain = ctx;
+    float near[3 * VOR_ADJACENT];
+
+    vor_surface_fit(&domain->graph.surface[i], near,
+                    copy_list(near, domain, (uint32_t)i, VOR_ADJACENT));
+}
+
+vor_status vor_lists_keep(struct vor_domain *domain, const struct vor_run *run,
+                          struct vor_error *err)
+{
+    struct vor_graph *graph = &domain->graph;
+    struct vor_surface *surface;
+
+    if (!vor_lists_are(domain, VOR_ADJACENT) || graph->surface != NULL || domain->n > KEPT_SIZE)
+        return VOR_OK;
+    surface = vor_malloc(run->memory, domain->n, sizeof *surface);
+    if (surface == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "surfaces of %zu points", domain->n);
+    graph->surface = surface;
+    return vor_run_rows(run, domain->n, BLOCK, keep_row, domain, err);
 }
 
 struct vor_lists_fitted vor_lists_fit(struct vor_surface *out, float *near,

@@ -25,6 +25,15 @@ VOR_NODISCARD vor_status vor_lists_make(struct vor_domain *domain, const struct 
 VOR_NODISCARD vor_status vor_lists_make_any(struct vor_domain *domain, int plain,
                                             const struct vor_run *run, struct vor_error *err);
 
+/** Keeps the surface of each list of a small domain that has lists: fits ask for the same few again
+ *  and again. Its points stay where they are from then on.
+ *
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_rows
+ *
+ *  O(n), on the run's pool. */
+VOR_NODISCARD vor_status vor_lists_keep(struct vor_domain *domain, const struct vor_run *run,
+                                        struct vor_error *err);
+
 /** What a fit was made to. */
 struct vor_lists_fitted {
     int sheet;     /**< 1: to one sheet of several; 0: to the nearest points */

@@ -238,7 +238,8 @@ static unsigned local_step(const struct survey *survey, const struct pool *pool,
     return worth_it(survey, pool, from, best, usual) ? best : usual;
 }
 
-void vor_neighbors_pool(uint16_t pool[VOR_NEIGHBORS_POOL], const float *xyz, size_t place)
+VOR_CLONES void vor_neighbors_pool(uint16_t pool[VOR_NEIGHBORS_POOL], const float *xyz,
+                                   size_t place)
 {
     size_t first = place < POOL / 2 ? 0 : place - POOL / 2;
     double all2[PLACES], distance2[POOL] = {0};

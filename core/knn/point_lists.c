@@ -284,7 +284,7 @@ static void add_jumpers(struct vor_crowd *crowd, const struct vor_point_lists_vi
     const float *at = &view->xyz[3 * i];
     double limit2 = crowd->sure < 0 ? INFINITY : crowd->sure * crowd->sure;
 
-    if (crowd->sure >= 0 && !near_jumper(view, i, (float)limit2 * 1.001f))
+    if (view->jumpers == 0 || (crowd->sure >= 0 && !near_jumper(view, i, (float)limit2 * 1.001f)))
         return;
     for (unsigned j = 0; j < view->jumpers; j++) {
         float d2 = jumper_distance2(view, at, j);
@@ -438,7 +438,7 @@ double vor_point_lists_nearest(const struct vor_point_lists *lists,
     vor_listed_distances(all2, view->xyz, list, lists->listed, &view->xyz[3 * i]);
     if (lists->listed > 0)
         best = all2[vor_listed_first(all2, lists->listed)];
-    if (near_jumper(view, i, best))
+    if (view->jumpers > 0 && near_jumper(view, i, best))
         for (unsigned j = 0; j < view->jumpers; j++)
             if (view->jumper[j] != i) {
                 float d2 = distance2(view, i, view->jumper[j]);

@@ -84,7 +84,7 @@ static double step(double x[3], double near[NEAREST][3], double normal[NEAREST][
 
     for (int j = 0; j < NEAREST; j++) {
         d2[j] = vor_distance2(x, near[j]);
-        least = fmin(least, d2[j]);
+        least = d2[j] < least ? d2[j] : least; /* fmin is a call */
     }
     for (int j = 0; j < NEAREST; j++)
         weight[j] = h2 > 0 ? (d2[j] - least) / h2 : 0;
