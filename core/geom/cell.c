@@ -205,10 +205,9 @@ VOR_INLINE uint32_t find_sides(double side[VOR_POLYGON_MAX], const struct vor_po
     return outside & ((UINT32_C(1) << polygon->count) - 1);
 }
 
-VOR_CLONES void vor_cell_clip(struct vor_cell *cell, const double offset[3])
+VOR_INLINE void clip(struct vor_cell *cell, const double offset[3], double length2)
 {
-    double length2 = vor_dot(offset, offset), limit = length2 / 2, far = 0;
-    double side[VOR_POLYGON_MAX];
+    double side[VOR_POLYGON_MAX], limit = length2 / 2, far = 0;
     unsigned kept = 0;
     int cut = 0;
 
@@ -238,4 +237,27 @@ VOR_CLONES void vor_cell_clip(struct vor_cell *cell, const double offset[3])
     cell->count = kept;
     cell->bisectors++;
     cell->radius2 = far;
+}
+
+VOR_CLONES void vor_cell_clip(struct vor_cell *cell, const double offset[3])
+{
+    clip(cell, offset, vor_dot(offset, offset));
+}
+
+VOR_CLONES unsigned vor_cell_clip_by(struct vor_cell *cell, const double axis[3][3],
+                                     const float *xyz, size_t i, const uint32_t *index,
+                                     unsigned count)
+{
+    for (unsigned j = 0; j < count; j++) {
+        double way[3], offset[3], length2;
+
+        vor_way(way, &xyz[3 * i], &xyz[3 * (size_t)index[j]]);
+        for (int c = 0; c < 3; c++)
+            offset[c] = vor_dot(axis[c], way);
+        length2 = vor_dot(offset, offset);
+        if (!(length2 > 0) || vor_cell_secure(cell, length2))
+            return j;
+        clip(cell, offset, length2);
+    }
+    return count;
 }

@@ -62,4 +62,14 @@ static inline int vor_cell_secure(const struct vor_cell *cell, double d2)
  *  Cannot fail; may leave no piece. O(corners of the cell). */
 void vor_cell_clip(struct vor_cell *cell, const double offset[3]);
 
+/** The same for seeds around seed i, until one coincides with it or secures the cell.
+ *
+ *  @param[in] axis   those of the surface
+ *  @param[in] xyz    positions of all seeds
+ *  @param[in] index  `count` seeds, the nearest first
+ *
+ *  @return how many of them it went through */
+unsigned vor_cell_clip_by(struct vor_cell *cell, const double axis[3][3], const float *xyz,
+                          size_t i, const uint32_t *index, unsigned count);
+
 #endif

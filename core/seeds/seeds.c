@@ -573,8 +573,11 @@ void vor_seeds_clip(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t
     scratch->triangles += scratch->cell.count;
     if (border && !stretched)
         end_at_border(seeds, scratch);
-    while (j < crowd->count && clip_by(seeds, scratch, i, crowd->index[j]))
-        j++;
+    do {
+        if (!stretched)
+            j += vor_cell_clip_by(&scratch->cell, scratch->here.surface.axis, seeds->xyz, i,
+                                  &crowd->index[j], crowd->count - j);
+    } while (j < crowd->count && clip_by(seeds, scratch, i, crowd->index[j++]));
     clip_more(seeds, scratch, i);
     if (stretched)
         vor_stretch_undo(&scratch->cell, &scratch->stretch);
