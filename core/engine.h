@@ -45,16 +45,17 @@
  * bytes a point while they do.
  *
  *  Memory: at most 54 bytes for each input point (position, order, index), 67 with noise, 94 more
- * where lists of neighbours on one sheet are made (input/lists.h) and 28 while they are, for meshes
- * 450 (at worst 780, input/regions.h). For each point of the result 6 k + 393 bytes (surface,
- * lists, index; k neighbors), twice that while the start is drawn from cells, which is the case
- * unless the input has ten times as many points; then 6 k + 502 while iterating. Baselines take as
- * many again, one after another, once the result is made (baselines/baselines.h). After the polish
- * a progressive order takes 34 instead, and a copy of the widest column. With a metric each takes
- * 56 more, and 4 for each further neighbour listed (53 at an aspect of 6). Where an energy is
- * minimised (cvt/descend.h) each takes 1,060 more while iterating. wlop and ear take 6 k + 542, or
- * up to 570 and 680 for each point of the input where that is more. 200 KiB a thread. After the
- * first iteration a run allocates only that order, and the points' index when it is made anew.
+ * where lists of neighbours on one sheet are made (input/lists.h) and 28 while they are, 192 more
+ * where that is of at most 2,048, for meshes 450 (at worst 780, input/regions.h). For each point of
+ * the result 6 k + 393 bytes (surface, lists, index; k neighbors), twice that while the start is
+ * drawn from cells, which is the case unless the input has ten times as many points; then 6 k + 502
+ * while iterating. Baselines take as many again, one after another, once the result is made
+ * (baselines/baselines.h). After the polish a progressive order takes 34 instead, and a copy of the
+ * widest column. With a metric each takes 56 more, and 4 for each further neighbour listed (53 at
+ * an aspect of 6). Where an energy is minimised (cvt/descend.h) each takes 1,060 more while
+ * iterating. wlop and ear take 6 k + 542, or up to 570 and 680 for each point of the input where
+ * that is more. 200 KiB a thread. After the first iteration a run allocates only that order, and
+ * the points' index when it is made anew.
  *
  *  Cost: O(N log N) for the index, O(n) an iteration, O(n log n) a progressive order; on the run's
  *  pool. Thread-safe. The same bytes for any number of threads, unless a time budget or the caller

@@ -19,7 +19,8 @@ struct vor_graph {
     unsigned char *count; /**< n: how many it has */
     unsigned char *own;   /**< n: 1 where fits are made to the list, not to the nearest points */
     float *normal;        /**< n x 3, unit length */
-    struct vor_surface *surface; /**< n: vor_surface_fit to each point and its list; or NULL */
+    struct vor_surface *surface; /**< n: vor_surface_fit to each point and the first of its
+                                      list, VOR_ADJACENT in all; or NULL */
 };
 
 /** Makes n points with no neighbours and normals of zero; most is 1 .. 255.

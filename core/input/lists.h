@@ -25,8 +25,9 @@ VOR_NODISCARD vor_status vor_lists_make(struct vor_domain *domain, const struct 
 VOR_NODISCARD vor_status vor_lists_make_any(struct vor_domain *domain, int plain,
                                             const struct vor_run *run, struct vor_error *err);
 
-/** Keeps the surface of each list of a small domain that has lists: fits ask for the same few again
- *  and again. Its points stay where they are from then on.
+/** Keeps the surface of each list of a domain that has lists, 192 bytes a point; of one of more
+ *  than 2,048 points none. Fits ask for the same few again and again. From then on points and lists
+ *  stay as they are, or nothing is fitted any more.
  *
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_rows
  *

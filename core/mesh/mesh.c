@@ -267,6 +267,8 @@ static vor_status make_with_normals(struct making *making, struct vor_error *err
     status = make(making, err);
     VOR_THEN(status, vor_carry_normals(seeds, &making->complex, before, err));
     vor_free(memory, before);
+    if (status != VOR_OK)
+        vor_mesh_free(making->out);
     return status;
 }
 

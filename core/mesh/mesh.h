@@ -32,7 +32,7 @@ struct vor_mesh_how {
  *  @param[in,out] report  receives the members mesh but its seconds; lengths in the domain's unit
  *  @param[in,out] seeds   on the whole domain; they move where how->moves says so
  *
- *  @retval VOR_E_NOMEM 200 bytes a seed do not fit, or vor_adjacency_make where there are sheets
+ *  @retval VOR_E_NOMEM 600 bytes a seed do not fit, or vor_adjacency_make where there are sheets
  *  @retval VOR_E_CANCELLED
  *
  *  O(n log n), on the run's pool, half of it on one thread. The same bytes for any number of

@@ -7,8 +7,10 @@
 
 /* Bytes a point, as core/engine.h has them where it has them; the others measured on spheres and
  * noise of 1,000 to 200,000 points to 1,000 to 100,000, each beside what was found. */
-#define INDEX 51.0    /* of the input: cloud, positions, order, index; 46 to 67 */
-#define SHEETS 122.0  /* of the input, thinned, where it may have two sheets: 0 or 122 */
+#define INDEX 51.0     /* of the input: cloud, positions, order, index; 46 to 67 */
+#define SHEETS 122.0   /* of the input, thinned, where it may have two sheets: 0 or 122 */
+#define SURFACES 192.0 /* likewise, of an input that is SMALL */
+#define SMALL 2048.0
 #define TENSORS 265.0 /* of the input, while its metric is found: 263 */
 /* Of the input, what inspect takes beside the index: 245 to 335 of models and scans of 2,900 to
  * 40,000 points, 370 to 640 with noise of .005 of the diagonal. */
@@ -103,7 +105,7 @@ static double of_spread(const struct vor_spec *spec, double points, double attri
         in = (double)vor_faces_samples(out, (size_t)points);
     index = (INDEX + attributes) * in;
     if (spec->value[VOR_PARAM_INTRINSIC] != VOR_INTRINSIC_NONE)
-        index += SHEETS * (out > 0 ? fmin(in, DENSE * out) : in);
+        index += SHEETS * (out > 0 ? fmin(in, DENSE * out) : in) + SURFACES * (in > SMALL ? 0 : in);
     tensors = has_metric(spec) ? TENSORS * in : 0;
     return index + attributes * out + fmax(tensors, spreading(spec, in, out, neighbors));
 }

@@ -10,13 +10,13 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { DOUBLES = 2, NOISY = 3 };
+enum { DOUBLES = 2, NOISY = 3, FLAT = 4 };
 
 /* A request, the shape and size of its input, and the estimate over the peak at most; it covers
  * what noise takes, and so is more than enough for clean inputs. */
 struct need_case {
     const char *process;
-    int noise; /* or DOUBLES or NOISY */
+    int noise; /* or DOUBLES, NOISY or FLAT */
     size_t points;
     const char *query;
     double most;
@@ -28,6 +28,7 @@ static const struct need_case cases[] = {
     {"resample", 0, 20000, "points=2000", 3.1},
     {"resample", 1, 10000, "points=1000", 2.6},
     {"resample", 0, 2000, "points=4000 neighbors=60", 1.5},
+    {"resample", FLAT, 2000, "points=150 neighbors=20", 1.5},
     {"resample", 0, 5000, "points=5000 method=kmeans", 1.5},
     {"resample", 0, 5000, "points=5000 method=isotropic iterations=1", 2.6},
     {"resample", 0, 3000, "points=3000 method=wlop rounds=1", 2.6},
@@ -107,7 +108,14 @@ VT_TEST_LOOP(the_estimate_is_near_the_peak, sizeof cases / sizeof cases[0])
     vor_memory_init(&memory, SIZE_MAX);
     vt_engine_open(&engine, 2);
     set_all(&row.spec, of);
-    (of->noise == 1 ? noise_cloud(&cloud, of->points) : vt_cloud_sphere(&cloud, 5, of->points));
+    if (of->noise == 1)
+        noise_cloud(&cloud, of->points);
+    else if (of->noise == FLAT)
+        vt_cloud_box(&cloud, 5, of->points);
+    else
+        vt_cloud_sphere(&cloud, 5, of->points);
+    for (size_t i = 0; of->noise == FLAT && i < cloud.n; i++)
+        cloud.xyz[3 * i + 2] *= 0.05F;
     if (of->noise == DOUBLES)
         keep_doubles(&cloud);
     for (size_t i = 0; of->noise == NOISY && i < 3 * cloud.n; i++)

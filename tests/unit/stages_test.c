@@ -246,7 +246,11 @@ ON_DOMAIN(mesh)
     if (status != VOR_OK)
         return status;
     vor_mesh_init(&made, &vt_memory);
-    status = vor_seeds_index(&seeds, call->run, &vt_err);
+    seeds.normal = vor_calloc(call->run->memory, SEEDS, 3 * sizeof *seeds.normal);
+    for (size_t i = 0; i < SEEDS && seeds.normal != NULL; i++)
+        seeds.normal[3 * i + 2] = 1;
+    status = seeds.normal != NULL ? vor_seeds_index(&seeds, call->run, &vt_err)
+                                  : vor_fail(&vt_err, VOR_E_NOMEM, "normals");
     if (status == VOR_OK)
         status = vor_mesh_make(&made, &report, &seeds, &how, &vt_err);
     ck_assert((status == VOR_OK) == (made.count > 0));
