@@ -9,19 +9,18 @@
 #include "core/mesh/complex.h"
 #include "core/seeds/seeds.h"
 
-/** Gives each point the normal of one of the places near it where normals were found: of those that
- *  look to the side to which the triangles at the point face, one that is near and in whose plane
- *  the point lies. Points without triangles, without a normal, or without such a place keep what
- *  they have.
+/** Gives each point the normal of a corner of its triangles, it among them: of those that look to
+ *  the side to which the triangles face, one that was found near by and in whose plane the point
+ *  lies. Points without triangles, without a normal, or without such a corner keep what they have.
  *
  *  @param[in]     complex  triangles that face outward
  *  @param[in]     before   n x 3: the places where the seeds' normals were found
  *  @param[in,out] seeds    normals change
  *
- *  @retval VOR_E_NOMEM 64 bytes a seed do not fit
+ *  @retval VOR_E_NOMEM 12 bytes a seed do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
- *  O(n log n), on the run's pool. The same bytes for any number of threads. */
+ *  O(n), on the run's pool. The same bytes for any number of threads. */
 VOR_NODISCARD vor_status vor_carry_normals(struct vor_seeds *seeds,
                                            const struct vor_complex *complex, const float *before,
                                            struct vor_error *err);
