@@ -272,30 +272,52 @@ double vor_surface_height(const struct vor_surface *surface, double u, double v,
     return height_at(surface, u, v, gradient != NULL ? gradient : own);
 }
 
+/* vor_surface_above of points i to i + 3 of k; also sets the gradients there. */
+VOR_INLINE void above(vor_fours *off, vor_fours gradient[2], const struct vor_surface *s,
+                      const float *near, unsigned k, unsigned i)
+{
+    vor_fours way[3], u, v, du, dv, d2, share = {0};
+    vor_fours_marks beyond;
+
+    vor_fours_ways(way, near, k, i, s->origin);
+    vor_fours_along(&u, s->axis[0], way);
+    vor_fours_along(&v, s->axis[1], way);
+    vor_fours_along(off, s->axis[2], way);
+    du = u - s->center[0];
+    dv = v - s->center[1];
+    d2 = du * du + dv * dv;
+    beyond = d2 > s->reach * s->reach;
+    if (vor_fours_any(&beyond)) {
+        for (int j = 0; j < VOR_FOURS_LANES; j++)
+            d2[j] = sqrt(d2[j]);
+        share = VOR_FOURS_CHOOSE(beyond, 1 - s->reach / d2, share);
+    }
+    du *= share; /* how far beyond the reach */
+    dv *= share;
+    u -= du;
+    v -= dv;
+    gradient[0] = s->c[1] + 2 * s->c[3] * u + s->c[4] * v;
+    gradient[1] = s->c[2] + s->c[4] * u + 2 * s->c[5] * v;
+    *off -= s->c[0] + u * (s->c[1] + s->c[3] * u + s->c[4] * v) + v * (s->c[2] + s->c[5] * v) +
+            gradient[0] * du + gradient[1] * dv;
+}
+
 VOR_CLONES void vor_surface_feet(const struct vor_surface *surface, const float *near, unsigned k,
                                  double *restrict way)
 {
     const struct vor_surface s = *surface;
 
-    for (unsigned j = 0; j < k; j++) {
-        double x = (double)near[3 * j] - s.origin[0], y = (double)near[3 * j + 1] - s.origin[1];
-        double z = (double)near[3 * j + 2] - s.origin[2];
-        double u = s.axis[0][0] * x + s.axis[0][1] * y + s.axis[0][2] * z;
-        double v = s.axis[1][0] * x + s.axis[1][1] * y + s.axis[1][2] * z;
-        double w = s.axis[2][0] * x + s.axis[2][1] * y + s.axis[2][2] * z;
-        double du = u - s.center[0], dv = v - s.center[1], d2 = du * du + dv * dv;
-        double beyond = 1 - s.reach / sqrt(d2), gradient[2], off, step; /* 0: within */
+    for (unsigned i = 0; i < k; i += VOR_FOURS_LANES) {
+        vor_fours off, gradient[2], step, by[4];
 
-        beyond = beyond > 0 ? beyond : 0;
-        du *= beyond;
-        dv *= beyond;
-        off = quadric(s.c, u - du, v - dv, gradient);
-        off = w - (off + gradient[0] * du + gradient[1] * dv);
+        above(&off, gradient, &s, near, k, i);
         step = off / (1 + gradient[0] * gradient[0] + gradient[1] * gradient[1]);
         for (int c = 0; c < 3; c++)
-            way[(size_t)c * k + j] =
-                step * (gradient[0] * s.axis[0][c] + gradient[1] * s.axis[1][c] - s.axis[2][c]);
-        way[(size_t)3 * k + j] = off * step;
+            by[c] = step * (gradient[0] * s.axis[0][c] + gradient[1] * s.axis[1][c] - s.axis[2][c]);
+        by[3] = off * step;
+        for (unsigned c = 0; c < 4; c++)
+            for (unsigned j = 0; j < VOR_FOURS_LANES && i + j < k; j++)
+                way[(size_t)c * k + i + j] = by[c][j];
     }
 }
 
@@ -370,30 +392,6 @@ double vor_surface_abovef(const struct vor_surface *surface, const float x[3])
     return vor_surface_above(surface, (double[3]){(double)x[0], (double)x[1], (double)x[2]});
 }
 
-/* vor_surface_height at four places; also sets the gradients. */
-VOR_INLINE void heights(vor_fours *height, vor_fours gradient[2], const struct vor_surface *s,
-                        const vor_fours at[2])
-{
-    vor_fours u = at[0], v = at[1], du = u - s->center[0], dv = v - s->center[1];
-    vor_fours d2 = du * du + dv * dv, share = {0};
-    vor_fours_marks beyond = d2 > s->reach * s->reach;
-
-    if (vor_fours_any(&beyond)) {
-        for (int j = 0; j < VOR_FOURS_LANES; j++)
-            d2[j] = sqrt(d2[j]);
-        share = VOR_FOURS_CHOOSE(beyond, 1 - s->reach / d2, share);
-    }
-    du *= share; /* how far beyond the reach */
-    dv *= share;
-    u -= du;
-    v -= dv;
-    gradient[0] = s->c[1] + 2 * s->c[3] * u + s->c[4] * v;
-    gradient[1] = s->c[2] + s->c[4] * u + 2 * s->c[5] * v;
-    *height = s->c[0] + u * (s->c[1] + s->c[3] * u + s->c[4] * v) + v * (s->c[2] + s->c[5] * v);
-    *height += gradient[0] * du;
-    *height += gradient[1] * dv;
-}
-
 VOR_CLONES double vor_surface_variance(const struct vor_surface *surface, const float *near,
                                        unsigned k)
 {
@@ -401,13 +399,9 @@ VOR_CLONES double vor_surface_variance(const struct vor_surface *surface, const 
     double sum = 0;
 
     for (unsigned i = 0; s.kind != VOR_SURFACE_NONE && i < k; i += VOR_FOURS_LANES) {
-        vor_fours way[3], local[3], gradient[2], off;
+        vor_fours off, gradient[2];
 
-        vor_fours_ways(way, near, k, i, s.origin);
-        for (int a = 0; a < 3; a++)
-            vor_fours_along(&local[a], s.axis[a], way);
-        heights(&off, gradient, &s, local);
-        off = local[2] - off;
+        above(&off, gradient, &s, near, k, i);
         off *= off;
         for (unsigned j = 0; j < VOR_FOURS_LANES && i + j < k; j++)
             sum += off[j];

@@ -195,3 +195,57 @@ VT_TEST(the_spacing_is_that_around_the_nearest_point)
     ck_assert(vor_boundary_foot(near, 25, (double[3]){0.5, 0.5, 0}, foot, out) == 0);
     ck_assert(out[0] == 0 && out[1] == 0 && out[2] == 0);
 }
+
+static int ascending(const void *a, const void *b)
+{
+    const double *x = a, *y = b;
+
+    return (*x > *y) - (*x < *y);
+}
+
+/* The slow twin: one neighbour at a time, of each number of them. Places are on a grid, so that
+ * some coincide and some are as near as others. */
+VT_TEST_LOOP(neighbours_four_at_a_time_say_what_each_says, K)
+{
+    const unsigned k = (unsigned)_i + 1;
+
+    for (uint64_t seed = 0; seed < 200; seed++) {
+        const struct vor_surface frame = {.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+        double x[3], way[3] = {0.6, 0, 0.8}, foot[3], to[3], from[K] = {0}, within, far = 0,
+                     last = -INFINITY;
+        float near[3 * K];
+        unsigned first = 0;
+        int ahead = 0;
+
+        for (unsigned c = 0; c < 3 * k; c++)
+            near[c] = (float)floor(5 * vt_unit(seed, c)) / 4;
+        for (unsigned c = 0; c < 3; c++)
+            x[c] = floor(5 * vt_unit(seed, 900 + c)) / 4;
+        within = vt_unit(seed, 910);
+        for (unsigned i = 0; i < k; i++) {
+            double d[3] = {(double)near[3 * i] - x[0], (double)near[3 * i + 1] - x[1],
+                           (double)near[3 * i + 2] - x[2]};
+            double on = way[0] * d[0] + way[1] * d[1] + way[2] * d[2];
+
+            from[i] = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+            first = from[i] < from[first] ? i : first;
+            far = fmax(far, from[i]);
+            last = fmax(last, (double)near[3 * i]);
+            ahead |= on > 0 && from[i] <= within && on >= VOR_AHEAD_NARROW * from[i];
+        }
+        ck_assert(vor_boundary_reach(near, k, x) == far);
+        ck_assert_int_eq(vor_boundary_goes_on(near, k, x, way, within), ahead);
+        ck_assert(vor_boundary_end(&frame, x, (double[2]){1, 0}, near, k) == last - x[0]);
+        ck_assert(vor_boundary_foot(near, k, x, foot, to) == from[first]);
+        for (unsigned c = 0; c < 3; c++)
+            ck_assert(foot[c] == (double)near[3 * first + c]);
+        for (unsigned i = 0; i < k; i++)
+            from[i] = i == first ? INFINITY
+                                 : sqrt(pow((double)near[3 * i] - foot[0], 2) +
+                                        pow((double)near[3 * i + 1] - foot[1], 2) +
+                                        pow((double)near[3 * i + 2] - foot[2], 2));
+        qsort(from, k, sizeof *from, ascending);
+        if (k > 3)
+            ck_assert(vor_boundary_spacing(near, k, x) == from[2]);
+    }
+}
