@@ -1,6 +1,6 @@
 #!/usr/bin/perl
 # Texts that people read are plain English: none has one of these phrases, which nobody says aloud. And what is written in
-# two places by hand is the same in both: the version, the order of rooms, libraries and their doors, names of problems.
+# two places by hand is the same in both: the version, the order of rooms, libraries and their doors, names of problems; and files that a reader is sent to are there.
 use strict;
 use warnings;
 use Test::More;
@@ -125,4 +125,14 @@ for (['README.md', 200], ['ARCHITECTURE.md', 150], ['CHANGELOG.md', 120]) {
     cmp_ok scalar @lines, '<=', $most, "$path has at most $most lines";
     is join("\n", grep { length > 120 } @lines), '', 'of at most 120 columns';
 }
+# Files that ARCHITECTURE.md sends a reader to: `room/{a,b}.h`.
+sub missing {
+    my ($text, @files) = @_;
+    my @named = map { my $of = $_; $of =~ /\{(.*)\}/ ? map { $of =~ s/\{.*\}/$_/r } split /,/, $1 : $of } $text =~ m{`([\w./-]*(?:\{[\w,]+\})?\.[ch])`}g;
+    my $all = join '', map { "/$_\n" } @files;
+    return grep { index($all, "/$_\n") < 0 } @named;
+}
+is join(' ', missing(slurp('ARCHITECTURE.md'), split /\n/, `git ls-files`)), '', 'the files that a reader is sent to are there';
+is join(' ', missing('`a/{x,y}.c` `z.h`', 'core/a/x.c')), 'a/y.c z.h', 'those that are not there are found';
+
 done_testing;
