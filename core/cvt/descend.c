@@ -5,9 +5,6 @@
 #include "core/opt/lbfgs.h"
 #include "core/seeds/stage.h"
 
-/* Steps while planes stand still (Chen 2018, Sec. 4.3.3). */
-enum { INNER = 5 };
-
 /* Share of the iterations at each power below the last one. With patches of 1.2 (PATCH in planes.c,
  * with the inputs), at 0.1 / 0.25 / 0.4: psi4 of the tube 0.86 / 0.85 / 0.81, of the fillets 0.92 /
  * 0.94 / 0.92; its delta from the last power alone 0.11, so 0.09. */
@@ -36,7 +33,7 @@ static vor_status alloc_descend(struct descend *descend, struct vor_error *err)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     status = vor_frozen_init(&descend->frozen, descend->seeds,
                              descend->spec->value[VOR_PARAM_METRIC] == VOR_METRIC_LP, err);
-    return status == VOR_OK ? vor_lbfgs_init(&descend->lbfgs, 2 * n, INNER, memory, err) : status;
+    return status == VOR_OK ? vor_lbfgs_init(&descend->lbfgs, 2 * n, memory, err) : status;
 }
 
 static void note(struct descend *descend, const struct vor_frozen_sums *sums)
@@ -95,7 +92,8 @@ static vor_status step(struct vor_stage *stage, struct vor_error *err)
     if (descend->power > descend->last_power)
         descend->power = descend->last_power;
     status = vor_frozen_set(frozen, descend->power, descend->y, stage->run, err);
-    VOR_THEN(status, vor_lbfgs_run(&descend->lbfgs, descend->y, &function, INNER, &inner, err));
+    VOR_THEN(status,
+             vor_lbfgs_run(&descend->lbfgs, descend->y, &function, VOR_LBFGS_STEPS, &inner, err));
     VOR_THEN(status, vor_frozen_take(frozen, descend->y, descend->held, &sums, err));
     if (status != VOR_OK)
         return status;

@@ -42,14 +42,13 @@ enum {
 #define KEEP 0.7
 
 /* The probe's signs of a second sheet, all of them at a place: the nearest points lie so far off
- * one surface that PROBE_BETTER of their variance alone would make layers possible; the list's
- * variance is less than PROBE_BETTER of theirs; its spacing more than PROBE_SPARSER; what the walk
+ * one surface that VOR_OWN_SHEET of their variance alone would make layers possible; the list's
+ * variance is less than VOR_OWN_SHEET of theirs; its spacing more than PROBE_SPARSER; what the walk
  * left out lies over it (input/sheet_walk.h). Share of the points with these signs, in %:
  * arma2 11.5, room 5.2, shell 4.3, autzen 1.1, cow 0.85; office1 0.16 (depth in steps),
  * armadillo_vox120k 0.07, fandisk 0.04, bunny 0.03, igea 0.01. Without the last fandisk has 9,
  * without PROBE_SPARSER office1 9.7.
  */
-#define PROBE_BETTER 0.25
 #define PROBE_SPARSER 1.2
 /* Radius of the list over that of a disc of as many points: scan lines are longer. At 1.3 / 1.5 /
  * none, of 1,024 places: kitti 7 / 16 / 17, cow 9 / 10 / 11, room 39 / 46 / 48, arma2 106 / 118 /
@@ -458,7 +457,7 @@ static enum shown shows_sheets(const struct vor_domain *domain, uint32_t i, stru
 
     if (!vor_sheet_walk_begin(&plain, domain, i, last))
         return SHOWS_NONE;
-    better2 = PROBE_BETTER * plain.off2;
+    better2 = VOR_OWN_SHEET * plain.off2;
     if (better2 < VOR_LAYERS_POSSIBLE2 * plain.spacing * plain.spacing)
         return SHOWS_NONE;
     vor_sheet_walk_gather(&walk, domain, i);

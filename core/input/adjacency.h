@@ -30,6 +30,9 @@
  * / 147 of 6,000 points lie inside (244 without); at 0.75 a gear's mesh and a screw's have holes.
  */
 #define VOR_NORMALS_ALIKE 0.97
+/** Variance off the surface of a list over that of the nearest points, below which these lie on two
+ *  sheets. */
+#define VOR_OWN_SHEET 0.25
 
 /** Finds out whether lists pay for fits: whether at eight or more of 1,024 places a second sheet
  *  lies over or crosses that of the point. Creases, noise and steps of depth are none.

@@ -28,9 +28,6 @@ enum {
  * normal: igea 0.87 and 0, a torus knot of tube 0.12 around a ring of 2 0.08 and 0, a plate 1 x 1 x
  * 0.02 0.12 and 0; autzen, a terrain, 0.09 and 0.62; a half sphere 0.88 and 0.5. */
 #define INSIDE 0.5
-/* Mean square off the surface of a list over that of the nearest, below which they are two sheets.
- */
-#define OWN 0.25
 
 /* The points to orient and what is found of them. */
 struct orient {
@@ -92,7 +89,7 @@ static void fit_at(struct vor_surface *out, const struct orient *orient, size_t 
             (double)distance2[count])
         return;
     fit_list(&list, orient, i);
-    if (list.kind != VOR_SURFACE_NONE && list.off2 < OWN * out->off2)
+    if (list.kind != VOR_SURFACE_NONE && list.off2 < VOR_OWN_SHEET * out->off2)
         *out = list;
 }
 

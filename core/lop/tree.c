@@ -3,12 +3,13 @@
 #include "core/base/linalg.h"
 #include "core/base/vector.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
 enum {
-    /* Times that the cube is halved at most: cells of 2^-21, a few steps of a float near 1. */
-    DEPTH_MAX = 21,
+    /* Times that the cube is halved at most: to a step of a float near 1. */
+    DEPTH_MAX = FLT_MANT_DIG,
     OCTANTS = 8,
     /* Nodes that wait while the tree is walked: seven on each level, and the eight of the last. */
     WAITING_MAX = 7 * DEPTH_MAX + OCTANTS + 1,

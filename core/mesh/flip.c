@@ -1,11 +1,8 @@
 #include "core/mesh/flip.h"
 
 #include "core/base/linalg.h"
+#include "core/input/sheet_walk.h"
 #include "core/mesh/quality.h"
-
-/* Sine of the steepest that an edge may be over the tangent planes at its ends, unless the one that
- * it replaces is as steep: over a crease it would cut the corner off. */
-#define STEEP 0.35
 
 static double worse(const float *xyz, const uint32_t corner[2][3])
 {
@@ -47,7 +44,8 @@ static int face_alike(const float *xyz, const uint32_t before[2][3], const uint3
     return 1;
 }
 
-/* Whether the edge from c to d may take the place of that from a to b. */
+/* Whether the edge from c to d may take the place of that from a to b: it is no steeper than this
+ * one or than walks go over, or it would cut the corner of a crease off. */
 int vor_flip_may(const struct vor_complex *complex, const struct vor_sheet *sheet, uint32_t a,
                  uint32_t b, const uint32_t third[2])
 {
@@ -56,7 +54,8 @@ int vor_flip_may(const struct vor_complex *complex, const struct vor_sheet *shee
 
     return complex->degree[c] < VOR_AROUND_MOST && complex->degree[d] < VOR_AROUND_MOST &&
            face_alike(sheet->seeds->xyz, before, after) &&
-           steepness(sheet, c, d) <= fmax(STEEP, steepness(sheet, a, b)) &&
+           steepness(sheet, c, d) <=
+               fmax(vor_sheet_arcs[VOR_SHEET_ARCS - 1], steepness(sheet, a, b)) &&
            vor_complex_edge(complex, c, d, none) == 0 && vor_sheet_joins(sheet, c, d);
 }
 

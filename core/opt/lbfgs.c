@@ -20,16 +20,16 @@ static void add(double *to, double times, const double *a, size_t n)
         to[i] += times * a[i];
 }
 
-vor_status vor_lbfgs_init(struct vor_lbfgs *out, size_t length, unsigned window,
-                          struct vor_memory *memory, struct vor_error *err)
+vor_status vor_lbfgs_init(struct vor_lbfgs *out, size_t length, struct vor_memory *memory,
+                          struct vor_error *err)
 {
-    struct vor_lbfgs lbfgs = {.memory = memory, .length = length, .window = window};
+    struct vor_lbfgs lbfgs = {.memory = memory, .length = length};
     double **vector[] = {&lbfgs.gradient, &lbfgs.direction, &lbfgs.place, &lbfgs.there};
     int ok = 1;
 
     for (unsigned i = 0; i < 4; i++)
         ok &= (*vector[i] = vor_malloc(memory, length, sizeof(double))) != NULL;
-    for (unsigned i = 0; i < window; i++) {
+    for (unsigned i = 0; i < VOR_LBFGS_STEPS; i++) {
         lbfgs.step[i] = vor_malloc(memory, length, sizeof(double));
         lbfgs.change[i] = vor_malloc(memory, length, sizeof(double));
         ok &= lbfgs.step[i] != NULL && lbfgs.change[i] != NULL;
@@ -46,7 +46,7 @@ void vor_lbfgs_free(struct vor_lbfgs *lbfgs)
 {
     if (lbfgs->memory == NULL)
         return;
-    for (unsigned i = 0; i < lbfgs->window; i++) {
+    for (unsigned i = 0; i < VOR_LBFGS_STEPS; i++) {
         VOR_FREE_ALL(lbfgs->memory, lbfgs->change[i], lbfgs->step[i]);
     }
     VOR_FREE_ALL(lbfgs->memory, lbfgs->there, lbfgs->place, lbfgs->direction, lbfgs->gradient);
@@ -56,7 +56,7 @@ void vor_lbfgs_free(struct vor_lbfgs *lbfgs)
 /* Slot of the remembered step number k, the oldest first. */
 static unsigned slot(const struct vor_lbfgs *lbfgs, unsigned k)
 {
-    return (lbfgs->begin + k) % lbfgs->window;
+    return (lbfgs->begin + k) % VOR_LBFGS_STEPS;
 }
 
 /* Divides d by the bend, times that of the last step where there is one. */
@@ -80,7 +80,8 @@ static void find_direction(struct vor_lbfgs *lbfgs, const double *bend)
 {
     size_t n = lbfgs->length;
     double *d = lbfgs->direction;
-    double share[VOR_LBFGS_MAX] = {0}; /* cppcheck cannot see that the first loop sets those used */
+    double share[VOR_LBFGS_STEPS] = {
+        0}; /* cppcheck cannot see that the first loop sets those used */
 
     for (size_t i = 0; i < n; i++)
         d[i] = -lbfgs->gradient[i];
@@ -104,7 +105,7 @@ static void remember(struct vor_lbfgs *lbfgs, const double *x)
     unsigned s = slot(lbfgs, lbfgs->depth);
     double *step = lbfgs->step[s], *change = lbfgs->change[s], product, lengths2;
 
-    if (lbfgs->depth == lbfgs->window) {
+    if (lbfgs->depth == VOR_LBFGS_STEPS) {
         lbfgs->begin = slot(lbfgs, 1);
         lbfgs->depth--;
     }

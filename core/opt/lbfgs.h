@@ -11,8 +11,8 @@
 
 #include "core/base/memory.h"
 
-/** Most steps that are remembered. */
-#define VOR_LBFGS_MAX 8
+/** Steps that are remembered, and of a run where the function changes after it: Chen 2018. */
+enum { VOR_LBFGS_STEPS = 5 };
 
 /** The function. Its variables are doubles. */
 struct vor_lbfgs_function {
@@ -32,12 +32,11 @@ struct vor_lbfgs_function {
 /** What is remembered; owns everything. */
 struct vor_lbfgs {
     struct vor_memory *memory;
-    size_t length; /**< variables */
-    unsigned window, depth,
-        begin;                   /**< steps that may be remembered; that are; slot of the oldest */
-    double *step[VOR_LBFGS_MAX]; /**< from one place to the next */
-    double *change[VOR_LBFGS_MAX];                /**< of the gradient between them */
-    double product[VOR_LBFGS_MAX];                /**< of the two, > 0 */
+    size_t length;                   /**< variables */
+    unsigned depth, begin;           /**< steps that are remembered; slot of the oldest */
+    double *step[VOR_LBFGS_STEPS];   /**< from one place to the next */
+    double *change[VOR_LBFGS_STEPS]; /**< of the gradient between them */
+    double product[VOR_LBFGS_STEPS]; /**< of the two, > 0 */
     double *gradient, *direction, *place, *there; /**< there: the gradient at place */
 };
 
@@ -47,12 +46,12 @@ struct vor_lbfgs_told {
     double before, after; /**< value of the function at the beginning and at the end */
 };
 
-/** Prepares for functions of `length` variables, remembering `window` = 1 .. VOR_LBFGS_MAX steps.
+/** Prepares for functions of `length` variables.
  *
  *  @param[out] out  free with vor_lbfgs_free; untouched on failure
  *
- *  @retval VOR_E_NOMEM 16 (window + 2) length bytes do not fit */
-VOR_NODISCARD vor_status vor_lbfgs_init(struct vor_lbfgs *out, size_t length, unsigned window,
+ *  @retval VOR_E_NOMEM 112 length bytes do not fit */
+VOR_NODISCARD vor_status vor_lbfgs_init(struct vor_lbfgs *out, size_t length,
                                         struct vor_memory *memory, struct vor_error *err);
 
 /** lbfgs may be all zero. */
@@ -67,7 +66,7 @@ void vor_lbfgs_free(struct vor_lbfgs *lbfgs);
  *
  *  Fails as the function does; x is then the last place taken.
  *
- *  O(window length) a step, and about one evaluation. Sums run in the order of the variables: the
+ *  O(length) a step, and about one evaluation. Sums run in the order of the variables: the
  *  same bits whatever the function does with threads. */
 VOR_NODISCARD vor_status vor_lbfgs_run(struct vor_lbfgs *lbfgs, double *x,
                                        const struct vor_lbfgs_function *function, unsigned steps,

@@ -64,9 +64,9 @@ enum {
  * / 0.729 of the sphere. At 0.7 / 0.8 / 0.9 at the last: delta 0.0170 / 0.0164 / 0.0160 and 0.0242
  * / 0.0216 / 0.0198, gap 0.697 / 0.711 / 0.853 of the sphere. The pull is 1 less this; at 0.75 / 1
  * / 1.5 of that: delta 0.0163 / 0.0164 / 0.0169 and 0.0201 / 0.0216 / 0.0243, gap 0.738 / 0.711 /
- * 0.701 of the sphere. */
+ * 0.701 of the sphere. At the last, all steps that a force causes add up to what it asks for. */
 #define VOR_REPEL_MOMENTUM_FIRST 0.9
-#define VOR_REPEL_MOMENTUM_LAST 0.8
+#define VOR_REPEL_MOMENTUM_LAST (1 - VOR_REPEL_GAIN)
 
 /** How points repel each other in a step. */
 struct vor_repel_pace {

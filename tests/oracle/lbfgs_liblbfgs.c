@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { N = 60, SEEDS = 8, WINDOW = 6, STEPS = 3000 };
+enum { N = 60, SEEDS = 8, STEPS = 3000 };
 
 /* A function of N variables with one lowest point, and its gradient. */
 typedef double (*curved)(const double *x, double *gradient);
@@ -109,12 +109,12 @@ VT_TEST_LOOP(it_ends_where_liblbfgs_ends_in_about_as_many_evaluations, 3 * SEEDS
     begin(y, (uint64_t)_i);
     memcpy(x, y, sizeof y);
     lbfgs_parameter_init(&parameter);
-    parameter.m = WINDOW;
+    parameter.m = VOR_LBFGS_STEPS;
     parameter.epsilon = 1e-7;
     ck_assert_int_ge(lbfgs(N, x, &value, theirs, NULL, &by_them, &parameter), LBFGS_SUCCESS);
 
     by_us.enough = value + 1e-9 * (1 + fabs(value));
-    vt_assert_ok(vor_lbfgs_init(&mine, N, WINDOW, &vt_memory, &vt_err));
+    vt_assert_ok(vor_lbfgs_init(&mine, N, &vt_memory, &vt_err));
     vt_assert_ok(vor_lbfgs_run(&mine, y, &function, STEPS, &told, &vt_err));
     ck_assert_double_eq_tol(told.after, value, 1e-9 * (1 + fabs(value)));
     for (int i = 0; i < N; i++)

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { IN = 4000, N = 200, INNER = 5 };
+enum { IN = 4000, N = 200 };
 
 /* Seeds on a sphere, a torus, a square with a border, by loop % 3. */
 struct bed {
@@ -108,11 +108,11 @@ VT_TEST_FIGURES(seeds_that_share_a_place_come_apart, 3)
 
     open_bed(&bed, _i, 2, 1);
     memcpy(&bed.seeds.xyz[3], &bed.seeds.xyz[0], 3 * sizeof(float));
-    vt_assert_ok(vor_lbfgs_init(&lbfgs, 2 * N, INNER, &vt_memory, &vt_err));
+    vt_assert_ok(vor_lbfgs_init(&lbfgs, 2 * N, &vt_memory, &vt_err));
     vt_assert_ok(vor_frozen_set(&bed.frozen, 2, bed.y, &bed.engine.run, &vt_err));
     function = (struct vor_lbfgs_function){&bed.frozen, vor_frozen_at, vor_frozen_shorten,
                                            bed.frozen.bend};
-    vt_assert_ok(vor_lbfgs_run(&lbfgs, bed.y, &function, INNER, &told, &vt_err));
+    vt_assert_ok(vor_lbfgs_run(&lbfgs, bed.y, &function, VOR_LBFGS_STEPS, &told, &vt_err));
     for (int d = 0; d < 2; d++)
         apart[d] = bed.y[d] - bed.y[2 + d];
     ck_assert_double_gt(hypot(apart[0], apart[1]), 0.1);

@@ -59,13 +59,13 @@ static double error_of(const struct bowl *bowl, const double *x)
     return sqrt(sum);
 }
 
-static struct vor_lbfgs_told run(struct bowl *bowl, double *x, unsigned window, unsigned steps)
+static struct vor_lbfgs_told run(struct bowl *bowl, double *x, unsigned steps)
 {
     struct vor_lbfgs_function function = {bowl, at_bowl, NULL, NULL};
     struct vor_lbfgs_told told;
     struct vor_lbfgs lbfgs;
 
-    vt_assert_ok(vor_lbfgs_init(&lbfgs, N, window, &vt_memory, &vt_err));
+    vt_assert_ok(vor_lbfgs_init(&lbfgs, N, &vt_memory, &vt_err));
     vt_assert_ok(vor_lbfgs_run(&lbfgs, x, &function, steps, &told, &vt_err));
     vor_lbfgs_free(&lbfgs);
     vt_assert_no_leak();
@@ -79,7 +79,7 @@ VT_TEST_LOOP(a_stretched_bowl_is_descended_to_its_lowest_point, SEEDS)
     struct vor_lbfgs_told told;
 
     make(&bowl, (uint64_t)_i, 1000);
-    told = run(&bowl, x, 5, 500);
+    told = run(&bowl, x, 500);
     ck_assert_double_le(error_of(&bowl, x), 1e-6);
     ck_assert_uint_eq(told.evaluations, bowl.asked);
     ck_assert_uint_le(told.evaluations, 2 * told.steps + 30); /* mostly one for each step */
@@ -95,7 +95,7 @@ VT_TEST_LOOP(a_known_bend_makes_the_first_step_the_last, SEEDS)
 
     make(&bowl, (uint64_t)_i, 1000);
     memset(bowl.mirror, 0, sizeof bowl.mirror);
-    vt_assert_ok(vor_lbfgs_init(&lbfgs, N, 5, &vt_memory, &vt_err));
+    vt_assert_ok(vor_lbfgs_init(&lbfgs, N, &vt_memory, &vt_err));
     vt_assert_ok(vor_lbfgs_run(&lbfgs, x, &function, 1, &told, &vt_err));
     ck_assert_uint_eq(told.evaluations, 2);
     ck_assert_double_le(error_of(&bowl, x), 1e-12);
@@ -124,7 +124,7 @@ VT_TEST_LOOP(a_function_that_shortens_steps_is_asked_nowhere_else, SEEDS)
 
     make(&bowl, (uint64_t)_i, 100);
     bowl.least[0] = 3;
-    vt_assert_ok(vor_lbfgs_init(&lbfgs, N, 5, &vt_memory, &vt_err));
+    vt_assert_ok(vor_lbfgs_init(&lbfgs, N, &vt_memory, &vt_err));
     vt_assert_ok(vor_lbfgs_run(&lbfgs, x, &function, 100, &told, &vt_err));
     ck_assert_double_le(bowl.highest, 1 + 1e-12);
     ck_assert_double_ge(bowl.lowest, -1 - 1e-12);
@@ -141,7 +141,7 @@ VT_TEST_LOOP(a_value_that_is_no_number_is_stepped_back_from, SEEDS)
     make(&bowl, (uint64_t)_i, 100);
     bowl.least[0] = 3;
     bowl.hole = 1;
-    (void)run(&bowl, x, 5, 20);
+    (void)run(&bowl, x, 20);
     ck_assert_double_gt(bowl.highest, 1);
     ck_assert_double_le(x[0], 1);
     for (int i = 0; i < N; i++)
@@ -158,7 +158,7 @@ VT_TEST_LOOP(a_failure_is_handed_on_at_the_last_place_taken, SEEDS)
 
     make(&bowl, 2, 100);
     bowl.fail_at = 1 + (unsigned)_i;
-    vt_assert_ok(vor_lbfgs_init(&lbfgs, N, 5, &vt_memory, &vt_err));
+    vt_assert_ok(vor_lbfgs_init(&lbfgs, N, &vt_memory, &vt_err));
     vt_assert_fails(VOR_E_CANCELLED, vor_lbfgs_run(&lbfgs, x, &function, 50, &told, &vt_err));
     vor_lbfgs_free(&lbfgs);
     if (_i > 0) { /* else it was never measured */

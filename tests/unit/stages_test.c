@@ -349,7 +349,7 @@ static vor_status anderson(struct vt_call *call)
 static vor_status lbfgs(struct vt_call *call)
 {
     struct vor_lbfgs made;
-    vor_status status = vor_lbfgs_init(&made, 3 * call->in->n, 5, &vt_memory, &vt_err);
+    vor_status status = vor_lbfgs_init(&made, 3 * call->in->n, &vt_memory, &vt_err);
 
     if (status == VOR_OK)
         vor_lbfgs_free(&made);
