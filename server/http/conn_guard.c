@@ -105,7 +105,7 @@ enum vor_conn_excess vor_conn_excess(struct vor_conn_guard *guard, const struct 
     lock(guard);
     if (vor_conns_busy(guard) > limits->connections)
         excess = VOR_EXCESS_ALL;
-    else if (conn != NULL && conn->caller != NULL && conn->caller->count > limits->each)
+    else if (conn->caller != NULL && conn->caller->count > limits->each)
         excess = VOR_EXCESS_ADDRESS;
     unlock(guard);
     return excess;
@@ -115,8 +115,6 @@ void vor_conn_phase(struct vor_conn *conn, enum vor_phase phase)
 {
     const int on = 1;
 
-    if (conn == NULL)
-        return;
     lock(conn->guard);
     if (conn->phase != phase) {
         conn->phase = phase;
@@ -162,8 +160,6 @@ bool vor_conn_news(struct vor_conn *conn)
 
 void vor_conn_received(struct vor_conn *conn, size_t bytes)
 {
-    if (conn == NULL)
-        return;
     lock(conn->guard);
     conn->bytes += bytes;
     conn->last = vor_clock_seconds();
@@ -172,8 +168,6 @@ void vor_conn_received(struct vor_conn *conn, size_t bytes)
 
 void vor_conn_wait(struct vor_conn *conn, bool waiting)
 {
-    if (conn == NULL)
-        return;
     lock(conn->guard);
     conn->is_waiting = waiting && !conn->has_left;
     if (waiting && conn->has_left && conn->waker != NULL)
@@ -185,8 +179,6 @@ void vor_conn_request(struct vor_conn *conn, struct vor_waker *waker)
 {
     struct vor_waker *before;
 
-    if (conn == NULL)
-        return;
     lock(conn->guard);
     before = conn->waker;
     conn->waker = waker != NULL ? vor_waker_hold(waker) : NULL;
@@ -201,8 +193,6 @@ void vor_conn_wake_after(struct vor_conn *conn, double seconds)
 {
     double at = vor_clock_seconds() + seconds;
 
-    if (conn == NULL)
-        return;
     lock(conn->guard);
     if (conn->wake_at == 0 || at < conn->wake_at)
         conn->wake_at = at;
@@ -211,21 +201,17 @@ void vor_conn_wake_after(struct vor_conn *conn, double seconds)
 
 void vor_conn_late(struct vor_conn *conn, char *late)
 {
-    char *before = late;
+    char *before;
 
-    if (conn != NULL) {
-        lock(conn->guard);
-        before = conn->late;
-        conn->late = late;
-        unlock(conn->guard);
-    }
+    lock(conn->guard);
+    before = conn->late;
+    conn->late = late;
+    unlock(conn->guard);
     free(before);
 }
 
 void vor_conn_linger(struct vor_conn *conn)
 {
-    if (conn == NULL)
-        return;
     lock(conn->guard);
     conn->lingers = true;
     unlock(conn->guard);
@@ -235,8 +221,6 @@ bool vor_conn_end(struct vor_conn *conn)
 {
     bool told;
 
-    if (conn == NULL)
-        return false;
     lock(conn->guard);
     told = conn->told_late;
     unlock(conn->guard);

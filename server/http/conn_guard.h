@@ -1,8 +1,7 @@
 /** All connections, and the thread that guards them: it closes what is late, or too many, and wakes
  *  a waiting request when its client leaves or its time is over. libmicrohttpd's own time-out
  * starts again with every byte, and it does not look at a suspended connection at all. Thread-safe;
- * nothing here blocks, but for stopping. A connection may be NULL everywhere: one that is not
- * guarded. */
+ * nothing here blocks, but for stopping. */
 #ifndef VOR_SERVER_HTTP_CONN_GUARD_H
 #define VOR_SERVER_HTTP_CONN_GUARD_H
 
@@ -30,6 +29,7 @@ unsigned vor_conn_guard_count(struct vor_conn_guard *guard);
  *  too many now, the oldest silent one is closed. NULL when memory is out. */
 struct vor_conn *vor_conn_enter(struct vor_conn_guard *guard, int fd,
                                 const struct vor_address *from);
+/** conn may be NULL. */
 void vor_conn_leave(struct vor_conn *conn);
 
 /** Whether too many requests are under way for this one to be served; silent connections do not

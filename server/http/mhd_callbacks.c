@@ -502,14 +502,17 @@ void *vor_mhd_begin(void *cls, const char *target, struct MHD_Connection *connec
     struct vor_http *http = cls;
     const union MHD_ConnectionInfo *info =
         vor_mhd->get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
-    struct vor_request *request = calloc(1, sizeof *request);
+    struct vor_request *request;
 
+    if (info == NULL || info->socket_context == NULL) /* no memory to guard it: it is cut */
+        return NULL;
+    request = calloc(1, sizeof *request);
     if (request == NULL)
         return NULL;
     request->http = http;
     request->app = http->options.app;
     request->connection = connection;
-    request->conn = info != NULL ? info->socket_context : NULL;
+    request->conn = info->socket_context;
     request->began = vor_clock_seconds();
     request->reply.fd = -1;
     request->path = "";

@@ -54,7 +54,7 @@ void vor_request_take_body(struct vor_request *request, const struct vor_body_si
 
 bool vor_request_reply_early(struct vor_request *request, bool (*waits)(void *ctx))
 {
-    if (request->conn == NULL || strcmp(request->head.version, "HTTP/1.1") != 0)
+    if (strcmp(request->head.version, "HTTP/1.1") != 0)
         return false;
     request->waits = waits;
     vor_conn_watch(request->conn, request->length < 0);
