@@ -3,7 +3,6 @@
 #include "server/api/problem.h"
 #include "server/base/clock.h"
 #include "server/base/rates.h"
-#include "server/work/admit.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -35,20 +34,4 @@ bool vor_limits_rate(struct vor_request *request)
                    caller->name, caller->quota.rate);
     return vor_problem_reply(request, &VOR_PROBLEM("rate-limited", .detail = detail,
                                                    .retry_seconds = (unsigned)ceil(wait)));
-}
-
-vor_status vor_limits_points(const struct vor_quota *quota, const struct vor_admitted *admitted,
-                             struct vor_error *err)
-{
-    for (unsigned i = 0; i < admitted->count && quota->points > 0; i++) {
-        uint64_t points = admitted->item[i].found.points;
-
-        if ((double)points <= quota->points)
-            continue;
-        (void)vor_fail(err, VOR_E_LIMIT,
-                       "the input %s has %llu points, want at most %.0f with this key",
-                       admitted->item[i].name, (unsigned long long)points, quota->points);
-        return vor_fail_over(err, VOR_E_LIMIT, (uint64_t)quota->points, points);
-    }
-    return VOR_OK;
 }

@@ -5,8 +5,6 @@
 
 #include "server/api/app.h"
 
-struct vor_admitted;
-
 /** Counts a request against the rate of its key, and tells it of that in heads of the answer: which
  *  one holds, how many more requests pass at once, and in how many seconds that is as it was
  *  (RateLimit-Policy, RateLimit; draft-ietf-httpapi-ratelimit-headers-10). Only Retry-After is a
@@ -14,12 +12,5 @@ struct vor_admitted;
  *
  *  @return true, or false after a rate-limited problem has been replied */
 bool vor_limits_rate(struct vor_request *request);
-
-/** The points of what was decoded.
- *
- *  @retval VOR_E_LIMIT an input has more than the key may send */
-VOR_NODISCARD vor_status vor_limits_points(const struct vor_quota *quota,
-                                           const struct vor_admitted *admitted,
-                                           struct vor_error *err);
 
 #endif

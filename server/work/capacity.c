@@ -298,6 +298,24 @@ static vor_status take_inputs(struct vor_job_view *row, const struct vor_admitte
     return status;
 }
 
+static vor_status check_points(const struct vor_job_label *label,
+                               const struct vor_admitted *admitted, struct vor_error *err)
+{
+    uint64_t most = label != NULL && label->points_max > 0 ? label->points_max : UINT64_MAX;
+
+    for (unsigned i = 0; i < admitted->count; i++) {
+        uint64_t points = admitted->item[i].found.points;
+
+        if (points <= most)
+            continue;
+        (void)vor_fail(
+            err, VOR_E_LIMIT, "the input %s has %llu points, want at most %llu with this key",
+            admitted->item[i].name, (unsigned long long)points, (unsigned long long)most);
+        return vor_fail_over(err, VOR_E_LIMIT, most, points);
+    }
+    return VOR_OK;
+}
+
 /* Bytes of decoded inputs that would never fit into the queue are no reason to come back later. */
 static vor_status check_bytes(struct vor_job_service *service, const struct vor_admitted *admitted,
                               struct vor_job_view *row, struct vor_error *err)
@@ -349,7 +367,8 @@ enum vor_job_outcome vor_job_service_submit(struct vor_job_service *service,
     struct vor_job_view row;
 
     first_row(&row, &admitted->id, spec, label);
-    if (take_inputs(&row, admitted, err) == VOR_OK &&
+    if (check_points(label, admitted, err) == VOR_OK &&
+        take_inputs(&row, admitted, err) == VOR_OK &&
         check_bytes(service, admitted, &row, err) == VOR_OK &&
         (vor_spec_given(spec, VOR_PARAM_SPACING) ||
          vor_spec_check_target(spec, vor_spec_target(spec, row.input[0].points),

@@ -85,8 +85,9 @@ struct vor_job_label {
     const struct vor_span *span;   /**< the step of a trace that asks for it */
     uint64_t
         jobs_max; /**< jobs of that principal that may wait or run, this one included; 0: any */
-    uint64_t bytes_max; /**< that it may have stored, uploads of this one included; 0: any */
-    int booked;         /**< a place is kept for it, which is used or given back */
+    uint64_t bytes_max;  /**< that it may have stored, uploads of this one included; 0: any */
+    uint64_t points_max; /**< of each of its inputs; 0: any */
+    int booked;          /**< a place is kept for it, which is used or given back */
 };
 
 /** Would a job be taken now that uploads so many bytes, as far as they are known? For an early
@@ -122,11 +123,11 @@ void vor_job_service_unbook(struct vor_job_service *service);
  *
  *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING
  *  @retval VOR_CROWDED, VOR_OVER_BYTES  the principal has what it may; err has the numbers
- *  @retval VOR_FAILED  err: VOR_E_BYTES its decoded inputs alone are more than may wait;
- * VOR_E_PARAM an input that the process does not take, or as vor_spec_check_inputs; VOR_E_TARGET as
- * vor_spec_check_target, but for spacing, which only the run can tell; VOR_E_ORIGIN as
- * vor_write_check; VOR_E_IO; VOR_E_NOMEM, with limit and got where the job needs more than the
- * budget; VOR_E_WORK as vor_time_estimate_check
+ *  @retval VOR_FAILED  err: VOR_E_LIMIT an input has too many points; VOR_E_BYTES its decoded
+ * inputs alone are more than may wait; VOR_E_PARAM an input that the process does not take, or as
+ * vor_spec_check_inputs; VOR_E_TARGET as vor_spec_check_target, but for spacing, which only the run
+ * can tell; VOR_E_ORIGIN as vor_write_check; VOR_E_IO; VOR_E_NOMEM, with limit and got where the
+ * job needs more than the budget; VOR_E_WORK as vor_time_estimate_check
  *
  *  Cost: an fsync; not for HTTP threads. */
 VOR_NODISCARD enum vor_job_outcome

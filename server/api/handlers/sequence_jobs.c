@@ -1,6 +1,5 @@
 #include "server/api/handlers/frames.h"
 #include "server/api/handlers/handlers.h"
-#include "server/api/limits.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
 #include "server/base/rates.h"
@@ -32,23 +31,17 @@ static void on_admitted(struct vor_admission *admission)
                                         .span = &sequence->span,
                                         .jobs_max = (uint64_t)sequence->quota.jobs,
                                         .bytes_max = (uint64_t)sequence->quota.bytes,
+                                        .points_max = (uint64_t)sequence->quota.points,
                                         .booked = true};
-
-    bool submitted = false;
 
     flight->outcome = VOR_FAILED;
     flight->error = admission->error;
     if (admission->status == VOR_OK)
-        submitted =
-            vor_limits_points(&sequence->quota, &admission->admitted, &flight->error) == VOR_OK;
-    if (submitted)
         flight->outcome =
             vor_job_service_submit(app->service, &admission->admitted, &sequence->head.spec, &label,
                                    &flight->view, &flight->error);
     else
         vor_job_service_unbook(app->service);
-    if (!submitted && admission->status == VOR_OK)
-        vor_admit_drop(app->blobs, &admission->admitted);
     atomic_store(&flight->is_admitted, true);
     vor_deferred_complete(&sequence->deferred);
 }

@@ -265,6 +265,7 @@ static void on_admitted(struct vor_admission *admission)
                                         .span = &submission->span,
                                         .jobs_max = (uint64_t)submission->quota.jobs,
                                         .bytes_max = (uint64_t)submission->quota.bytes,
+                                        .points_max = (uint64_t)submission->quota.points,
                                         .booked = submission->booked};
     bool is_left = atomic_load(&submission->deferred.is_over) && !has_key(submission);
     bool submitted = false;
@@ -272,9 +273,7 @@ static void on_admitted(struct vor_admission *admission)
     submission->outcome = VOR_FAILED;
     if (admission->status != VOR_OK)
         submission->error = admission->error;
-    else if (is_settled(submission) || is_left ||
-             vor_limits_points(&submission->quota, &admission->admitted, &submission->error) !=
-                 VOR_OK)
+    else if (is_settled(submission) || is_left)
         vor_admit_drop(app->blobs, &admission->admitted);
     else
         submitted = true;
