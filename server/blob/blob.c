@@ -452,27 +452,40 @@ vor_status vor_blob_drop(struct vor_blobs *blobs, const struct vor_uuid *id, con
 static const struct vor_uuid nobody = {"00000000-0000-0000-0000-000000000000"};
 
 struct listing {
-    void (*each)(void *ctx, const struct vor_uuid *id, const char *name);
-    void *ctx;
+    struct vor_blob_list *out;
+    int is_short; /* of memory */
 };
 
 static void list_one(void *ctx, const char *file)
 {
-    const struct listing *listing = ctx;
+    struct listing *listing = ctx;
+    struct vor_blob_list *out = listing->out;
     struct vor_uuid id;
     const char *name = vor_blob_of_file(&id, file);
 
-    if (name != NULL && strcmp(id.text, nobody.text) != 0)
-        listing->each(listing->ctx, &id, name);
+    if (name == NULL || strcmp(id.text, nobody.text) == 0)
+        return;
+    if (out->count == out->capacity) {
+        size_t capacity = 2 * out->capacity + 256;
+        struct vor_blob_entry *more = realloc(out->entry, capacity * sizeof *more);
+
+        listing->is_short |= more == NULL;
+        if (more == NULL)
+            return;
+        out->entry = more;
+        out->capacity = capacity;
+    }
+    out->entry[out->count].id = id;
+    (void)snprintf(out->entry[out->count++].name, sizeof out->entry->name, "%s", name);
 }
 
-vor_status vor_blobs_list(struct vor_blobs *blobs,
-                          void (*each)(void *ctx, const struct vor_uuid *id, const char *name),
-                          void *ctx, struct vor_error *err)
+vor_status vor_blobs_list(struct vor_blobs *blobs, struct vor_blob_list *out, struct vor_error *err)
 {
-    struct listing listing = {each, ctx};
+    struct listing listing = {.out = out};
+    vor_status status = blobs->driver->list(blobs, list_one, &listing, err);
 
-    return blobs->driver->list(blobs, list_one, &listing, err);
+    return status == VOR_OK && listing.is_short ? vor_fail(err, VOR_E_NOMEM, "the list of files")
+                                                : status;
 }
 
 static vor_status note_store(struct vor_blobs *blobs, const char *etag, struct vor_error *err)

@@ -281,12 +281,20 @@ VOR_NODISCARD vor_status vor_blob_link(struct vor_blobs *blobs, const struct vor
 VOR_NODISCARD vor_status vor_blob_drop(struct vor_blobs *blobs, const struct vor_uuid *id,
                                        const char *name, struct vor_error *err);
 
-/** Calls each for every blob that there is, in any order; each must not call the blobs.
+/** Blobs of jobs, by their names. */
+struct vor_blob_list {
+    struct vor_blob_entry {
+        struct vor_uuid id;
+        char name[VOR_BLOB_NAME_MAX + 1];
+    } * entry; /**< the list's owner frees it */
+    size_t count, capacity;
+};
+
+/** Adds every blob that there is to a list, in any order.
  *
- *  @retval VOR_E_IO the blobs cannot be listed */
-VOR_NODISCARD vor_status vor_blobs_list(struct vor_blobs *blobs,
-                                        void (*each)(void *ctx, const struct vor_uuid *id,
-                                                     const char *name),
-                                        void *ctx, struct vor_error *err);
+ *  @retval VOR_E_IO the blobs cannot be listed
+ *  @retval VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_blobs_list(struct vor_blobs *blobs, struct vor_blob_list *out,
+                                        struct vor_error *err);
 
 #endif

@@ -12,17 +12,6 @@
 #include <string.h>
 #include <unistd.h>
 
-struct file {
-    struct vor_uuid id;
-    char name[VOR_BLOB_NAME_MAX + 1];
-};
-
-struct files {
-    struct file *item;
-    size_t count, capacity;
-    int is_short; /* of memory */
-};
-
 struct migration {
     const char *data;
     struct vor_store *from_store, *store;
@@ -33,35 +22,9 @@ struct migration {
     long holder;
 };
 
-static void note_file(void *ctx, const struct vor_uuid *id, const char *name)
-{
-    struct files *files = ctx;
-
-    if (files->count == files->capacity) {
-        size_t capacity = 2 * files->capacity + 256;
-        struct file *more = realloc(files->item, capacity * sizeof *more);
-
-        if (more == NULL) {
-            files->is_short = 1;
-            return;
-        }
-        files->item = more;
-        files->capacity = capacity;
-    }
-    files->item[files->count].id = *id;
-    (void)snprintf(files->item[files->count++].name, sizeof files->item->name, "%s", name);
-}
-
-static vor_status list(struct vor_blobs *blobs, struct files *out, struct vor_error *err)
-{
-    vor_status status = vor_blobs_list(blobs, note_file, out, err);
-
-    return status == VOR_OK && out->is_short ? vor_fail(err, VOR_E_NOMEM, "the list of files")
-                                             : status;
-}
-
 /* One that is there with its size was copied whole. */
-static vor_status copy_file(struct migration *move, const struct file *file, struct vor_error *err)
+static vor_status copy_file(struct migration *move, const struct vor_blob_entry *file,
+                            struct vor_error *err)
 {
     struct vor_blob_writer *writer = NULL;
     uint64_t size = 0, there = 0;
@@ -91,12 +54,12 @@ static vor_status copy_file(struct migration *move, const struct file *file, str
 
 static vor_status copy_files(struct migration *move, struct vor_error *err)
 {
-    struct files files = {.item = NULL}, copies = {.item = NULL};
-    vor_status status = list(move->from_blobs, &files, err);
+    struct vor_blob_list files = {.entry = NULL}, copies = {.entry = NULL};
+    vor_status status = vor_blobs_list(move->from_blobs, &files, err);
 
     for (size_t i = 0; status == VOR_OK && i < files.count; i++)
-        status = copy_file(move, &files.item[i], err);
-    VOR_THEN(status, list(move->blobs, &copies, err));
+        status = copy_file(move, &files.entry[i], err);
+    VOR_THEN(status, vor_blobs_list(move->blobs, &copies, err));
     if (status == VOR_OK && copies.count != files.count)
         status = vor_fail(
             err, VOR_E_IO,
@@ -104,8 +67,8 @@ static vor_status copy_files(struct migration *move, struct vor_error *err)
             "another prefix or folder",
             copies.count, files.count);
     move->files = files.count;
-    free(files.item);
-    free(copies.item);
+    free(files.entry);
+    free(copies.entry);
     return status;
 }
 

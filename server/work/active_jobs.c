@@ -117,8 +117,8 @@ int vor_job_service_is_running(struct vor_job_service *service, const struct vor
 
 void vor_found_free(struct vor_found *found)
 {
-    free(found->blobs);
-    *found = (struct vor_found){.blobs = NULL};
+    free(found->list.entry);
+    *found = (struct vor_found){.list = {.count = 0}};
 }
 
 /* --- waiting and running ---------------------------------------------------------------------- */

@@ -19,15 +19,9 @@ struct vor_capacity {
     int runs_alone; /* what runs is to have nothing beside it */
 };
 
-/** The blobs that were there at the start. */
-struct vor_found_blob {
-    struct vor_uuid id;
-    char name[VOR_BLOB_NAME_MAX + 1];
-};
-
+/** The blobs that were there at the start, or at a look for those that no job needs. */
 struct vor_found {
-    struct vor_found_blob *blobs; /**< owned */
-    size_t count, capacity;
+    struct vor_blob_list list;
     int is_first;           /**< before this daemon wrote any, and there is no other */
     size_t counted, looked; /**< so many were looked at: for orphans; whether to drop them */
     size_t orphans, files;  /**< results without a row; what no row needs */

@@ -160,24 +160,6 @@ static const double portion_seconds = 0.25;
 
 /* --- the blobs -------------------------------------------------------------------------------- */
 
-static void note_blob(void *ctx, const struct vor_uuid *id, const char *name)
-{
-    struct vor_found *found = &((struct vor_job_service *)ctx)->found;
-
-    if (found->count == found->capacity) {
-        size_t capacity = found->capacity > 0 ? 2 * found->capacity : 256;
-        struct vor_found_blob *blobs = realloc(found->blobs, capacity * sizeof *blobs);
-
-        if (blobs == NULL)
-            return; /* it is looked at after the next start */
-        found->blobs = blobs;
-        found->capacity = capacity;
-    }
-    found->blobs[found->count].id = *id;
-    (void)snprintf(found->blobs[found->count].name, sizeof found->blobs[0].name, "%s", name);
-    found->count++;
-}
-
 /* The output of an attempt that a blob is of, be it converted; NULL for none. */
 static const struct vor_artefact_info *output_of(const struct vor_process_info *process,
                                                  uint32_t attempt, const char *blob)
@@ -197,7 +179,7 @@ static const struct vor_artefact_info *output_of(const struct vor_process_info *
 /* A job that is not over needs all its blobs; it may be writing its outputs just now. A job that is
  * over needs only its outputs, if it was successful, and its uploads as long as its row counts
  * them. When the store cannot be read, or the process is not known, a blob counts as needed. */
-static int is_needed(struct vor_job_service *service, const struct vor_found_blob *blob)
+static int is_needed(struct vor_job_service *service, const struct vor_blob_entry *blob)
 {
     const struct vor_process_info *process;
     const struct vor_artefact_info *output;
@@ -227,7 +209,7 @@ static int is_younger(const struct vor_uuid *id, double seconds)
 }
 
 /* A result whose job has no row at all; who removes a job removes its row first. */
-static int is_orphan(struct vor_job_service *service, const struct vor_found_blob *blob)
+static int is_orphan(struct vor_job_service *service, const struct vor_blob_entry *blob)
 {
     struct vor_job_brief row;
     uint64_t size;
@@ -303,7 +285,7 @@ static void forget_missing(struct vor_job_service *service)
     } while (missing.seen > 0 && !vor_job_service_pause(service, 0));
 }
 
-static void drop_if_stray(struct vor_job_service *service, const struct vor_found_blob *blob,
+static void drop_if_stray(struct vor_job_service *service, const struct vor_blob_entry *blob,
                           int is_lost)
 {
     static const double upload_seconds = 3600; /* as long before its row a file may come */
@@ -330,23 +312,23 @@ static int may_go_on(struct vor_job_service *service, double until)
 }
 
 /* Drops the blobs that were found and that no row needs, as far as it comes in a quarter of a
- * second: the next call goes on, while found.count is not 0. Where more results have no row than a
- * crash leaves, the younger ones stay, with a warning. Ends early when the daemon goes down; the
- * next start does the rest. */
+ * second: the next call goes on, while found.list.count is not 0. Where more results have no row
+ * than a crash leaves, the younger ones stay, with a warning. Ends early when the daemon goes down;
+ * the next start does the rest. */
 static void drop_strays(struct vor_job_service *service)
 {
     struct vor_found *found = &service->found;
     double until = vor_clock_seconds() + portion_seconds;
     int is_lost;
 
-    for (; found->counted < found->count && may_go_on(service, until); found->counted++)
-        found->orphans += (size_t)is_orphan(service, &found->blobs[found->counted]);
-    if (found->counted < found->count)
+    for (; found->counted < found->list.count && may_go_on(service, until); found->counted++)
+        found->orphans += (size_t)is_orphan(service, &found->list.entry[found->counted]);
+    if (found->counted < found->list.count)
         return;
     is_lost = found->orphans > ORPHANS_OF_CRASH;
-    for (; found->looked < found->count && may_go_on(service, until); found->looked++)
-        drop_if_stray(service, &found->blobs[found->looked], is_lost);
-    if (found->looked < found->count)
+    for (; found->looked < found->list.count && may_go_on(service, until); found->looked++)
+        drop_if_stray(service, &found->list.entry[found->looked], is_lost);
+    if (found->looked < found->list.count)
         return;
     if (found->kept > 0)
         vor_log(VOR_LOG_WARN,
@@ -414,7 +396,7 @@ vor_status vor_job_service_recover(struct vor_job_service *service, struct vor_e
         status = VOR_OK;
     }
     service->found.is_first = !vor_store_is_shared(service->config.store);
-    VOR_THEN(status, vor_blobs_list(service->config.blobs, note_blob, service, err));
+    VOR_THEN(status, vor_blobs_list(service->config.blobs, &service->found.list, err));
     return status;
 }
 
@@ -510,9 +492,9 @@ void *vor_job_service_sweep_on(void *arg)
             keep_quotas(service);
         if (!look_at_clock(service))
             continue;
-        if (now - tidied >= tidy && service->found.count == 0) {
+        if (now - tidied >= tidy && service->found.list.count == 0) {
             tidied = now;
-            if (vor_blobs_list(service->config.blobs, note_blob, service, &err) != VOR_OK)
+            if (vor_blobs_list(service->config.blobs, &service->found.list, &err) != VOR_OK)
                 vor_log(VOR_LOG_WARN, "files are not listed", VOR_TEXT("error", err.message));
         }
         if (now - swept < sweep_seconds)
