@@ -129,6 +129,34 @@ vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms, struct 
         "");
 }
 
+struct keeping {
+    int (*each)(void *ctx, const struct vor_keeping *job);
+    void *ctx;
+};
+
+static int take_keeping(void *ctx, struct vor_sql_row *row)
+{
+    const struct keeping *keeping = ctx;
+    struct vor_keeping job = {.seq = vor_sql_number(row)};
+
+    vor_sql_copy(row, job.id.text, sizeof job.id.text);
+    vor_sql_copy(row, job.process, sizeof job.process);
+    job.kept = (uint64_t)vor_sql_number(row);
+    return keeping->each(keeping->ctx, &job);
+}
+
+vor_status vor_store_keeping(struct vor_store *store, int64_t seq,
+                             int (*each)(void *ctx, const struct vor_keeping *job), void *ctx,
+                             struct vor_error *err)
+{
+    struct keeping keeping = {each, ctx};
+
+    return vor_sql_query(store, take_keeping, &keeping, err,
+                         "SELECT seq, id, process_id, kept FROM job WHERE kept > 0 AND seq < ?1"
+                         " ORDER BY seq DESC LIMIT 1000",
+                         "i", seq);
+}
+
 int vor_store_is_unsure(struct vor_store *store)
 {
     return atomic_load(&((struct vor_sql *)store)->is_unsure);

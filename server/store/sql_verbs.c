@@ -474,7 +474,7 @@ static int list_row(void *ctx, struct vor_sql_row *statement)
     " AND (?7 = 0 OR (started > 0 AND " DURATION " >= ?7))"                                        \
     " AND (?8 = 0 OR (started > 0 AND " DURATION " <= ?8))"                                        \
     " AND (?10 IS NULL OR name = ?10) AND (?11 IS NULL OR principal = ?11)"                        \
-    " AND (?12 = 0 OR kept > 0) ORDER BY seq DESC LIMIT ?4) ORDER BY job.seq DESC"
+    " ORDER BY seq DESC LIMIT ?4) ORDER BY job.seq DESC"
 
 vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *filter,
                           int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
@@ -492,11 +492,11 @@ vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *
                          filter->name != NULL     ? LIST("job_named", " AND name = ?10")
                          : filter->tenant != NULL ? LIST("job_owned", " AND principal = ?11")
                                                   : LIST("job_listed", ""),
-                         "ttiiiiiiitti", statuses, filter->process,
+                         "ttiiiiiiitt", statuses, filter->process,
                          filter->before_seq > 0 ? filter->before_seq : INT64_MAX,
                          (int64_t)filter->limit, filter->created_from, filter->created_to,
                          filter->duration_min, filter->duration_max, filter->now, filter->name,
-                         filter->tenant, (int64_t)filter->is_kept);
+                         filter->tenant);
 }
 
 #define THIS " FROM job_text WHERE job_text.seq = job.seq"

@@ -229,34 +229,31 @@ static int is_orphan(struct vor_job_service *service, const struct vor_blob_entr
 /* Jobs whose uploads are not there, or not whole. */
 struct missing {
     struct vor_job_service *service;
-    struct vor_evicted job[16];
+    struct vor_keeping job[16];
     size_t count, seen;
     int64_t seq; /* of the row seen last */
 };
 
-static int note_missing(void *ctx, const struct vor_job_view *row)
+static int note_missing(void *ctx, const struct vor_keeping *job)
 {
     struct missing *missing = ctx;
-    const struct vor_artefact_info *input = row->spec.process->inputs;
-    vor_status status = row->request_lost ? VOR_E_PARAM : VOR_OK; /* its inputs are not known */
+    const struct vor_process_info *process = vor_process_find(job->process);
+    vor_status status = process != NULL ? VOR_OK : VOR_E_PARAM; /* its inputs are not known */
     uint64_t bytes = 0, size;
     int found;
 
     missing->seen++;
-    missing->seq = row->seq;
-    for (; input->name != NULL && status == VOR_OK; input++) {
+    missing->seq = job->seq;
+    for (unsigned i = 0; status == VOR_OK && process->inputs[i].name != NULL; i++) {
         char blob[VOR_BLOB_NAME_MAX + 1];
 
-        status = vor_blob_get(missing->service->config.blobs, &row->id,
-                              vor_blob_of_upload(input->name, blob), NULL, &size, &found, NULL);
+        status = vor_blob_get(missing->service->config.blobs, &job->id,
+                              vor_blob_of_upload(process->inputs[i].name, blob), NULL, &size,
+                              &found, NULL);
         bytes += size;
     }
-    if (status == VOR_OK && bytes != row->kept) {
-        struct vor_evicted *one = &missing->job[missing->count++];
-
-        one->id = row->id;
-        memcpy(one->process, row->process, sizeof one->process);
-    }
+    if (status == VOR_OK && bytes != job->kept)
+        missing->job[missing->count++] = *job;
     return missing->count < sizeof missing->job / sizeof missing->job[0];
 }
 
@@ -264,24 +261,23 @@ static int note_missing(void *ctx, const struct vor_job_view *row)
  * be the row alone, or a part of the bytes: then there is nothing to promise. */
 static void forget_missing(struct vor_job_service *service)
 {
-    struct vor_job_filter filter = {.is_kept = 1, .limit = 1000};
-    struct missing missing = {.service = service};
+    struct missing missing = {.service = service, .seq = INT64_MAX};
     struct vor_error err;
 
     do {
         missing.count = missing.seen = 0;
-        if (vor_store_list(service->config.store, &filter, note_missing, &missing, &err) != VOR_OK)
+        if (vor_store_keeping(service->config.store, missing.seq, note_missing, &missing, &err) !=
+            VOR_OK)
             vor_log(VOR_LOG_WARN, "the kept uploads cannot be listed",
                     VOR_TEXT("error", err.message));
         for (size_t i = 0; i < missing.count; i++) {
-            const struct vor_evicted *job = &missing.job[i];
+            const struct vor_keeping *job = &missing.job[i];
 
             if (vor_store_forget_uploads(service->config.store, &job->id, &err) != VOR_OK)
                 continue; /* the next start finds it */
             vor_job_service_drop_all(service, &job->id, job->process, 0, VOR_HAS_UPLOADS);
             vor_log(VOR_LOG_WARN, "kept upload missing", VOR_TEXT("job", job->id.text));
         }
-        filter.before_seq = missing.seq;
     } while (missing.seen > 0 && !vor_job_service_pause(service, 0));
 }
 
