@@ -22,10 +22,12 @@ struct vor_capacity {
 /** The blobs that were there at the start, or at a look for those that no job needs. */
 struct vor_found {
     struct vor_blob_list list;
-    int is_first;           /**< before this daemon wrote any, and there is no other */
-    size_t counted, looked; /**< so many were looked at: for orphans; whether to drop them */
-    size_t orphans, files;  /**< results without a row; what no row needs */
-    size_t kept;            /**< of files, because the table of jobs is damaged; their bytes */
+    int is_first;          /**< before this daemon wrote any, and there is no other */
+    size_t counted;        /**< so many were looked at; of these, at the front of the list: */
+    size_t strays;         /**< that no row needed then */
+    size_t looked;         /**< and that were looked at again, and dropped unless one does now */
+    size_t orphans, files; /**< results without a row; what no row needs */
+    size_t kept;           /**< of files, because the table of jobs is damaged; their bytes */
     uint64_t bytes;
 };
 

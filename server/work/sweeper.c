@@ -317,14 +317,20 @@ static void drop_strays(struct vor_job_service *service)
     double until = vor_clock_seconds() + portion_seconds;
     int is_lost;
 
-    for (; found->counted < found->list.count && may_go_on(service, until); found->counted++)
-        found->orphans += (size_t)is_orphan(service, &found->list.entry[found->counted]);
+    for (; found->counted < found->list.count && may_go_on(service, until); found->counted++) {
+        const struct vor_blob_entry *blob = &found->list.entry[found->counted];
+
+        if (is_needed(service, blob))
+            continue;
+        found->orphans += (size_t)is_orphan(service, blob);
+        found->list.entry[found->strays++] = *blob;
+    }
     if (found->counted < found->list.count)
         return;
     is_lost = found->orphans > ORPHANS_OF_CRASH;
-    for (; found->looked < found->list.count && may_go_on(service, until); found->looked++)
+    for (; found->looked < found->strays && may_go_on(service, until); found->looked++)
         drop_if_stray(service, &found->list.entry[found->looked], is_lost);
-    if (found->looked < found->list.count)
+    if (found->looked < found->strays)
         return;
     if (found->kept > 0)
         vor_log(VOR_LOG_WARN,
