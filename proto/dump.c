@@ -1,14 +1,12 @@
-/* A head, a row for each attribute, then the positions and the values, all as they lie in memory:
- * the file never leaves the machine that wrote it, and `order` tells when it did. A cloud with
- * notes has a tail with them, and is of version 2; one without is as all were before there were
- * notes. One of a file with faces has a further tail, behind the notes, and is of version 3; one
- * that keeps doubles has these at the end, behind both, and is of version 4. */
+/* A head, a row for each attribute, then the positions and the values, notes and faces, and doubles
+ * where the cloud keeps them, all as they lie in memory: the file never leaves the machine that
+ * wrote it, and `order` tells when it did. */
 #include "proto/dump.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { VERSION = 1, VERSION_NOTES = 2, VERSION_FACES = 3, VERSION_DOUBLES = 4, ORDER = 0x01020304 };
+enum { VERSION = 5, ORDER = 0x01020304 };
 
 static const char magic[8] = "vordump";
 
@@ -33,7 +31,8 @@ struct tail {
 
 /* Then three indices for each triangle. */
 struct faces {
-    uint64_t faces, triangle_count, polygons;
+    uint64_t faces, triangle_count;
+    uint32_t polygons, has_doubles;
 };
 
 _Static_assert(sizeof(struct faces) == 24, "no padding in the file");
@@ -46,17 +45,6 @@ _Static_assert(sizeof(struct head) == 56 && sizeof(struct row) == 80 && sizeof(s
 static const uint64_t REMARKS_MAX = (uint64_t)1 << 24;
 static const size_t TRIANGLE = 3 * sizeof(uint32_t); /* bytes */
 enum { FORMATS_MAX = 63 };
-
-static int has_faces(const struct vor_cloud *cloud)
-{
-    return cloud->notes.faces > 0 || cloud->triangle_count > 0;
-}
-
-static int has_notes(const struct vor_notes *notes)
-{
-    return notes->format != 0 || notes->invalid > 0 || notes->remarks_size > 0 ||
-           notes->dropped_count > 0;
-}
 
 static vor_status put(const struct vor_sink *sink, const void *bytes, size_t size,
                       struct vor_error *err)
@@ -79,10 +67,7 @@ static vor_status put(const struct vor_sink *sink, const void *bytes, size_t siz
 static vor_status put_head(const struct vor_sink *sink, const struct vor_cloud *cloud,
                            struct vor_error *err)
 {
-    struct head head = {.version = cloud->exact != NULL       ? VERSION_DOUBLES
-                                   : has_faces(cloud)         ? VERSION_FACES
-                                   : has_notes(&cloud->notes) ? VERSION_NOTES
-                                                              : VERSION,
+    struct head head = {.version = VERSION,
                         .order = ORDER,
                         .n = cloud->n,
                         .position_type = (uint32_t)cloud->position_type,
@@ -107,6 +92,8 @@ static vor_status put_tail(const struct vor_sink *sink, const struct vor_notes *
 vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
                           struct vor_error *err)
 {
+    const struct faces faces = {cloud->notes.faces, cloud->triangle_count, cloud->polygons != 0,
+                                cloud->exact != NULL};
     vor_status status = put_head(sink, cloud, err);
 
     for (size_t i = 0; status == VOR_OK && i < cloud->attribute_count; i++) {
@@ -125,14 +112,9 @@ vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *c
         status = put(sink, attribute->data,
                      cloud->n * attribute->components * vor_type_size(attribute->type), err);
     }
-    if (status == VOR_OK && (has_notes(&cloud->notes) || has_faces(cloud) || cloud->exact != NULL))
-        status = put_tail(sink, &cloud->notes, err);
-    if (status == VOR_OK && (has_faces(cloud) || cloud->exact != NULL)) {
-        struct faces faces = {cloud->notes.faces, cloud->triangle_count, cloud->polygons != 0};
-
-        status = put(sink, &faces, sizeof faces, err);
-        VOR_THEN(status, put(sink, cloud->triangles, cloud->triangle_count * TRIANGLE, err));
-    }
+    VOR_THEN(status, put_tail(sink, &cloud->notes, err));
+    VOR_THEN(status, put(sink, &faces, sizeof faces, err));
+    VOR_THEN(status, put(sink, cloud->triangles, cloud->triangle_count * TRIANGLE, err));
     if (status == VOR_OK && cloud->exact != NULL)
         status = put(sink, cloud->exact, cloud->n * 3 * sizeof *cloud->exact, err);
     return status;
@@ -189,7 +171,7 @@ static int check_tail(const uint8_t *bytes, size_t size, uint64_t *total)
     return 1;
 }
 
-/* The same of the faces. */
+/* The same of the faces, and of the doubles. */
 static int check_faces(const struct head *head, const uint8_t *bytes, size_t size, uint64_t *total)
 {
     struct faces faces;
@@ -207,6 +189,7 @@ static int check_faces(const struct head *head, const uint8_t *bytes, size_t siz
         if (corner >= head->n)
             return 0;
     }
+    *total += faces.has_doubles != 0 ? head->n * 3 * sizeof(double) : 0;
     return 1;
 }
 
@@ -253,22 +236,28 @@ static vor_status take_tail(struct vor_cloud *cloud, const uint8_t **from, struc
     return VOR_OK;
 }
 
-static vor_status take_faces(struct vor_cloud *cloud, const uint8_t **from, struct vor_error *err)
+static vor_status take_faces(struct vor_cloud *cloud, const uint8_t *at, struct vor_error *err)
 {
-    const uint8_t *at = *from;
     struct faces faces;
 
     memcpy(&faces, at, sizeof faces);
-    *from += sizeof faces + faces.triangle_count * TRIANGLE;
+    at += sizeof faces;
     cloud->notes.faces = faces.faces;
     cloud->polygons = faces.polygons != 0;
-    if (faces.triangle_count == 0)
+    if (faces.triangle_count > 0) {
+        cloud->triangles = vor_malloc(cloud->memory, (size_t)faces.triangle_count, TRIANGLE);
+        if (cloud->triangles == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "%zu triangles", (size_t)faces.triangle_count);
+        cloud->triangle_count = (size_t)faces.triangle_count;
+        memcpy(cloud->triangles, at, cloud->triangle_count * TRIANGLE);
+    }
+    if (faces.has_doubles == 0)
         return VOR_OK;
-    cloud->triangles = vor_malloc(cloud->memory, (size_t)faces.triangle_count, TRIANGLE);
-    if (cloud->triangles == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu triangles", (size_t)faces.triangle_count);
-    cloud->triangle_count = (size_t)faces.triangle_count;
-    memcpy(cloud->triangles, at + sizeof faces, cloud->triangle_count * TRIANGLE);
+    cloud->exact = vor_malloc(cloud->memory, cloud->n, 3 * sizeof *cloud->exact);
+    if (cloud->exact == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", cloud->n);
+    memcpy(cloud->exact, at + cloud->triangle_count * TRIANGLE,
+           cloud->n * 3 * sizeof *cloud->exact);
     return VOR_OK;
 }
 
@@ -291,16 +280,8 @@ static vor_status take_values(struct vor_cloud *cloud, const struct head *head,
         memcpy(&row, rows + i * sizeof row, sizeof row);
         status = take_attribute(cloud, &row, &at, err);
     }
-    if (status == VOR_OK && head->version >= VERSION_NOTES)
-        status = take_tail(cloud, &at, err);
-    if (status == VOR_OK && head->version >= VERSION_FACES)
-        status = take_faces(cloud, &at, err);
-    if (status == VOR_OK && head->version == VERSION_DOUBLES) {
-        cloud->exact = vor_malloc(cloud->memory, cloud->n, 3 * sizeof *cloud->exact);
-        if (cloud->exact == NULL)
-            return vor_fail(err, VOR_E_NOMEM, "%zu points", cloud->n);
-        memcpy(cloud->exact, at, cloud->n * 3 * sizeof *cloud->exact);
-    }
+    VOR_THEN(status, take_tail(cloud, &at, err));
+    VOR_THEN(status, take_faces(cloud, at, err));
     return status == VOR_OK ? vor_cloud_check(cloud, err) : status;
 }
 
@@ -312,7 +293,7 @@ static vor_status check(struct head *head, const uint8_t *bytes, size_t size, st
         return damaged(size, "length", err);
     memcpy(head, bytes, sizeof *head);
     if (memcmp(head->magic, magic, sizeof magic) != 0 || head->order != ORDER ||
-        head->version < VERSION || head->version > VERSION_DOUBLES)
+        head->version != VERSION)
         return damaged(0, "not a dump of this version and machine", err);
     if (head->n == 0 || head->n > VOR_POINTS_MAX)
         return damaged(16, "number of points", err);
@@ -332,12 +313,10 @@ static vor_status check(struct head *head, const uint8_t *bytes, size_t size, st
         if (!check_row(&row, head->n, &total))
             return damaged(at, "attribute", err);
     }
-    if (head->version >= VERSION_NOTES && !check_tail(bytes, size, &total))
+    if (!check_tail(bytes, size, &total))
         return damaged(size, "notes", err);
-    if (head->version >= VERSION_FACES && !check_faces(head, bytes, size, &total))
+    if (!check_faces(head, bytes, size, &total))
         return damaged(size, "faces", err);
-    if (head->version == VERSION_DOUBLES)
-        total += head->n * 3 * sizeof(double);
     return total == size ? VOR_OK : damaged(size, "length", err);
 }
 
