@@ -16,9 +16,6 @@ enum {
     STEPS_TOLD = 4
 };
 
-/* Poses that put a cloud nearer than this to where the other one puts it are one, over the unit. */
-#define ALIKE 0.1
-
 /* Least share of the gap within which samples lie on the other cloud. Half of it is the most. */
 #define WITHIN_LEAST 0.15
 
@@ -132,16 +129,6 @@ static int better_first(const void *a, const void *b)
     return 0;
 }
 
-/* How far apart two poses put a cloud of size 1: turned, shifted and grown; squared. */
-static double apart2(const struct vor_pose *a, const struct vor_pose *b)
-{
-    double grown = a->scale / b->scale - 1, sum = 2 * vor_pose_turned(a, b) + grown * grown;
-
-    for (int c = 0; c < 3; c++)
-        sum += (a->shift[c] - b->shift[c]) * (a->shift[c] - b->shift[c]);
-    return sum;
-}
-
 /* Sorts the fits, best first, and keeps of those that are alike the best, and at most so many. */
 static void keep_best(struct align *align, unsigned most)
 {
@@ -153,7 +140,7 @@ static void keep_best(struct align *align, unsigned most)
         int known = 0;
 
         for (unsigned j = 0; j < kept; j++)
-            known |= apart2(&fit[j].pose, &fit[i].pose) < ALIKE * ALIKE;
+            known |= vor_poses_are_alike(&fit[j].pose, &fit[i].pose, align->grid.reach);
         if (!known)
             fit[kept++] = fit[i];
     }
@@ -335,8 +322,8 @@ static vor_status repeat(struct vor_report *report, struct align *align, const s
     status = vor_run_rows(run, 3, 1, refine_again, align, err);
     if (status != VOR_OK)
         return status;
-    d2 = fmax(apart2(&again[0].pose, &again[1].pose) / 4,
-              apart2(&again[2].pose, &align->fit[0].pose));
+    d2 = fmax(vor_pose_apart2(&again[0].pose, &again[1].pose) / 4,
+              vor_pose_apart2(&again[2].pose, &align->fit[0].pose));
     trust = 1 / (1 + d2 / (REPEATED * REPEATED));
     report->pose_trust = fmin(report->pose_trust, trust);
     if (trust < 0.5)

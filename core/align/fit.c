@@ -11,7 +11,6 @@ enum {
     LOOKED_AT = 4000, /* points at least, if there are as many, for a step and to weigh a pose */
     CARRIERS = 6,     /* points of one cloud of which each may carry a point of the other one */
     UNKNOWNS = 7,     /* turn, shift, scale */
-    AGAINST = 5,      /* the power of what is not in conflict, in a score */
     BINS = 256        /* of a histogram */
 };
 
@@ -383,7 +382,7 @@ void vor_align_judge(struct vor_align_fit *fit, const struct vor_align_fit_of *o
 
         fit->overlap[k] = (double)side[k].on / n;
         fit->conflict[k] = seen > 0 ? (double)side[k].conflict / seen : 1;
-        score += side[k].sum / n / 2 * vor_power(1 - fit->conflict[k], AGAINST);
+        score += side[k].sum / n / 2 * (1 - fit->conflict[k]);
     }
     fit->score = score;
     fit->rms = side[0].on > 0 ? sqrt(side[0].sum2 / (double)side[0].on) : 0;

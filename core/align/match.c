@@ -19,9 +19,6 @@ enum {
     BOTH = 2             /* sides */
 };
 
-/* Poses nearer than this are one: 1 - cos of 20 degrees. */
-#define TURNED 0.06
-
 /* Chooses cells around the samples: two for each reach, but not too many. Returns how many. */
 static size_t choose_cells(struct vor_align_grid *grid)
 {
@@ -339,16 +336,6 @@ static int better_first(const void *a, const void *b)
     return first->query < second->query ? -1 : first->query > second->query;
 }
 
-/* Whether two poses are nearly the same for points about 1 from the middle. */
-static int are_alike(const struct vor_pose *a, const struct vor_pose *b, double apart)
-{
-    double d2 = 0;
-
-    for (int c = 0; c < 3; c++)
-        d2 += (a->shift[c] - b->shift[c]) * (a->shift[c] - b->shift[c]);
-    return d2 < 4 * apart * apart && vor_pose_turned(a, b) < TURNED;
-}
-
 static void keep_best(struct vor_align_candidate *out, unsigned *count, const struct match *match,
                       size_t n)
 {
@@ -361,7 +348,7 @@ static void keep_best(struct vor_align_candidate *out, unsigned *count, const st
 
         for (unsigned j = 0; j < *count; j++)
             known |= out[j].flip == found[i].flip &&
-                     are_alike(&out[j].pose, &found[i].pose, match->step);
+                     vor_poses_are_alike(&out[j].pose, &found[i].pose, match->step);
         if (!known)
             out[(*count)++] = found[i];
     }

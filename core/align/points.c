@@ -3,14 +3,15 @@
 #include "core/base/linalg.h"
 #include "core/base/rng.h"
 #include "core/base/stat.h"
+#include "core/geom/plane.h"
 
 #include <math.h>
 #include <string.h>
 
 enum {
     POINTS = 16000,
-    AROUND = 12, /* neighbours of a plane */
-    BLOCK = 256  /* points of a task */
+    AROUND = VOR_PLANE_POINTS - 1, /* neighbours of a plane */
+    BLOCK = 256                    /* points of a task */
 };
 
 /* About the angle of a vector in a plane, in quarters of a turn: exact at whole ones. */

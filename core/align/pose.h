@@ -39,14 +39,23 @@ static inline void vor_pose_invert(struct vor_pose *out, const struct vor_pose *
         out->shift[c] = -moved[c] * out->scale;
 }
 
-/** How far two turns are apart: 1 minus the cosine of the angle between them. */
-static inline double vor_pose_turned(const struct vor_pose *a, const struct vor_pose *b)
+/** How far apart two poses put a cloud of size 1: turned, shifted and grown; squared. */
+static inline double vor_pose_apart2(const struct vor_pose *a, const struct vor_pose *b)
 {
-    double trace = 0;
+    double grown = a->scale / b->scale - 1, shifted2 = 0, trace = 0;
 
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
         trace += vor_dot(a->turn[c], b->turn[c]);
-    return (3 - trace) / 2;
+        shifted2 += (a->shift[c] - b->shift[c]) * (a->shift[c] - b->shift[c]);
+    }
+    return 3 - trace + grown * grown + shifted2;
+}
+
+/** Whether two poses are one to a few samples that are so far apart. */
+static inline int vor_poses_are_alike(const struct vor_pose *a, const struct vor_pose *b,
+                                      double apart)
+{
+    return vor_pose_apart2(a, b) < 4 * apart * apart;
 }
 
 #endif
