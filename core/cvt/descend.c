@@ -5,11 +5,6 @@
 #include "core/opt/lbfgs.h"
 #include "core/seeds/stage.h"
 
-/* Share of the iterations at each power below the last one. With patches of 1.2 (PATCH in planes.c,
- * with the inputs), at 0.1 / 0.25 / 0.4: psi4 of the tube 0.86 / 0.85 / 0.81, of the fillets 0.92 /
- * 0.94 / 0.92; its delta from the last power alone 0.11, so 0.09. */
-#define STAGE 0.25
-
 struct descend {
     struct vor_seeds *seeds;
     const struct vor_spec *spec;
@@ -81,10 +76,16 @@ static vor_status step(struct vor_stage *stage, struct vor_error *err)
     struct vor_outcome *told = stage->told;
     struct vor_lbfgs_told inner;
     struct vor_frozen_sums sums;
-    unsigned share = (unsigned)(STAGE * stage->record.of); /* of the iterations, at each power */
+    unsigned share, powers = 1;
     vor_status status;
 
-    /* Doubled after each share of the iterations, until it is the last one. */
+    for (unsigned power = 2; power < descend->last_power; power *= 2)
+        powers++;
+    /* Doubled after each share of the iterations, until it is the last one. With shares of 0.1 /
+     * 0.25 / 0.4 before it and patches of 1.2 (PATCH in planes.c, with the inputs), psi4 of the
+     * tube 0.86 / 0.85 / 0.81, of the fillets 0.92 / 0.94 / 0.92; delta of the tube from the last
+     * power alone 0.11, so 0.09. */
+    share = stage->record.of / powers;
     descend->power = share > 0 ? 2 : descend->last_power;
     for (uint32_t done = stage->record.step; done >= share && descend->power < descend->last_power;
          done -= share)

@@ -50,7 +50,7 @@ static void evaluate_seed(const struct evaluation *evaluation, size_t i)
     struct vor_frozen *f = evaluation->frozen;
     const struct vor_energy_plane *flat = &f->planes.plane[i].flat;
     const double *at = &evaluation->y[2 * i], *axes = f->planes.axes + 9 * i;
-    double other[VOR_PLANES_NEAR][3];
+    double other[VOR_SEEDS_LISTED][3];
     struct vor_energy energy;
     struct vor_flat cell;
 
@@ -185,7 +185,7 @@ static void sum_cell(const struct take *take, struct vor_frozen_sums *sums, size
 {
     struct vor_frozen *f = take->frozen;
     const double *at = &take->y[2 * i];
-    double other[VOR_PLANES_NEAR][3], mean, apart;
+    double other[VOR_SEEDS_LISTED][3], mean, apart;
     struct vor_energy_shape shape;
     struct vor_flat cell;
 

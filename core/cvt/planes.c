@@ -32,7 +32,7 @@ vor_status vor_planes_init(struct vor_planes *out, struct vor_seeds *seeds, int 
     struct vor_planes p = {.seeds = seeds, .crossed = crossed};
     size_t n = seeds->n;
 
-    p.width = n > VOR_PLANES_NEAR ? VOR_PLANES_NEAR : (unsigned)n - 1;
+    p.width = n > VOR_SEEDS_LISTED ? VOR_SEEDS_LISTED : (unsigned)n - 1;
     p.spacing = sqrt(seeds->area / (VOR_HEXAGON_HEIGHT * (double)n));
     p.plane = vor_calloc(memory, n, sizeof *p.plane);
     p.middle = vor_malloc(memory, n, 3 * sizeof *p.middle);
@@ -73,8 +73,8 @@ struct freeze {
 static double find_near(const struct freeze *freeze, size_t i, double *radius)
 {
     const struct vor_planes *p = freeze->planes;
-    uint32_t index[VOR_PLANES_NEAR + 1], *near = &p->near[i * p->width];
-    float distance2[VOR_PLANES_NEAR + 1];
+    uint32_t index[VOR_SEEDS_LISTED + 1], *near = &p->near[i * p->width];
+    float distance2[VOR_SEEDS_LISTED + 1];
     double sum = 0, first = 0;
     unsigned found = 0;
 
@@ -256,7 +256,7 @@ static void find_end(const struct freeze *freeze, struct vor_scratch *scratch, s
     struct vor_energy_plane *flat = &p->plane[i].flat;
     const struct vor_surface *surface = &p->seeds->last_fit[i].surface;
     const double *axes = &p->axes[9 * i];
-    double other[VOR_PLANES_NEAR][3], way[2], side[2], at[3], x[3], along[3], end, length;
+    double other[VOR_SEEDS_LISTED][3], way[2], side[2], at[3], x[3], along[3], end, length;
     struct vor_flat cell;
 
     vor_planes_localize(other, p, i);

@@ -16,9 +16,6 @@
 #include "core/geom/energy.h"
 #include "core/seeds/seeds.h"
 
-/** Seeds around that may cut a cell. */
-#define VOR_PLANES_NEAR 40
-
 /** A seed's plane. */
 struct vor_plane {
     struct vor_energy_plane flat; /**< its radius is 0 where the seed has no surface, and stays */

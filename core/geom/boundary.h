@@ -136,9 +136,6 @@
  * 0.013 (regular, with or without holes); scannet 0.031, autzen 0.075, kitti 0.14, office1 0.15
  * (scans). At 0.01 / 0.02 / 0.04 cow and scannet change sides. */
 #define VOR_GAPS_SHARE 0.02
-/** Largest number of points looked at for that share; with more, every second or third one is. Its
- *  standard error at the threshold is then 0.0007. */
-#define VOR_GAPS_COUNTED 60000
 
 /* --- the rim: points of a finished result at the border ----------------------------------------
  * Source: none of the papers. A point lies at the border when the points around it leave an angle

@@ -41,10 +41,6 @@ enum {
  */
 #define INSIDE (0.5 - VOR_ROUNDED)
 
-/* Share of the neighbours that weights leave: the squared mean of (1 - d^2)^3 over the mean of its
- * square on a uniform disc, (1 / 4)^2 / (1 / 7). At half and double it 26.0 / 23.7 / 24.0 and 13.6
- * / 13.5 / 13.5. */
-#define COUNTED (7.0 / 16)
 /* Times the variance that cells explain: residuals vary. At 0.7 / 1.4 / 2.8: 26.8 / 23.7 / 24.4
  * and 14.2 / 13.5 / 13.6. */
 #define EXCUSED 1.4
@@ -482,7 +478,7 @@ static double excused(const struct smooth *smooth, const struct vor_surface *sur
 
     for (int c = 0; c < 3; c++)
         width += fabs(surface->axis[2][c]) * smooth->lattice->cell[c];
-    return EXCUSED * width * width / 12 * (1 - 6 / (COUNTED * k));
+    return EXCUSED * width * width / 12 * (1 - 6.0 * VOR_NEIGHBORS_WEIGHTED / k);
 }
 
 /* The foot of a point on the widest surface around it whose residual cells explain. Returns false

@@ -21,10 +21,6 @@ enum { BLOCK = 128 };
  * points to 10,000, rms 3.8e-4 by all within the reach, 3.3e-4 by these. At 48 / 96 most, igea of
  * 134,000 points to 20,000: delta alike, a third more time. */
 enum { DATA_LEAST = VOR_LOP_AREA_OF, DATA_MOST = VOR_LOP_DATA_MOST };
-
-/* Other points in a list: those within twice the spacing, and as many again. */
-enum { LISTED = 32 };
-
 /* Shortest distance to a datum that counts, squared, in its area as density_block has it: that is
  * the spacing there, of which an even disc to the twelfth neighbour has a radius of 1.8. Else
  * points stick to single data where these are not many times as many. */
@@ -296,7 +292,8 @@ static vor_status alloc_project(struct project *project, struct vor_error *err)
     status = vor_input_lists_init(&project->near_data, n, &near, memory, err);
     if (status != VOR_OK)
         return status;
-    return vor_point_lists_init(&project->others, n, n > LISTED ? LISTED : (unsigned)n - 1, memory,
+    return vor_point_lists_init(&project->others, n,
+                                n > VOR_SEEDS_LISTED ? VOR_SEEDS_LISTED : (unsigned)n - 1, memory,
                                 err);
 }
 

@@ -11,9 +11,6 @@
  * Igea of 30,000 points to 10,000, evened out with edges: delta 0.084, rms 9.5e-4. */
 #define EDGES_SHARE 0.005
 
-/* Points in a square as large as the surface, of the gap that a dense input is thinned to first. */
-#define EDGES_POINTS 40000.0
-
 int vor_lop_is_smooth(size_t flagged, size_t n)
 {
     return (double)flagged < EDGES_SHARE * (double)n;
@@ -28,7 +25,7 @@ vor_status vor_lop_has_edges(int *smooth, struct vor_edges *edges, const struct 
 
     all.known.seek_sheets = 0; /* edges are found without lists */
     all.known.lists = VOR_LISTS_NONE;
-    status = vor_domain_thin(&few, &all, sqrt(area / EDGES_POINTS), run, err);
+    status = vor_domain_thin(&few, &all, sqrt(area / VOR_THIN_LEAST), run, err);
     if (status == VOR_OK && few.n > 0)
         vor_neighbors_fewer(&few.known.neighbors, (double)few.n / (double)all.n);
     if (status == VOR_OK)

@@ -13,7 +13,6 @@ struct attach {
     int keep_holes;             /* seeds in holes go back to the rim */
     int fast;                   /* the run has no time, or other means, for vor_attach_near */
     const unsigned char *stays; /* n, or NULL: these do not hang */
-    size_t every;               /* every so many seeds, one is counted */
     atomic_size_t beyond;       /* seeds counted so far that are in a hole */
 };
 
@@ -26,17 +25,17 @@ static void attach_hurried(const struct vor_seeds *seeds, size_t i)
 }
 
 /* Counts the seeds in holes, which vor_seeds_hold would move and are not beyond the end of the
- * input, without moving them: of those whose number is a multiple of `every`. */
+ * input, without moving them. */
 static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct attach *attach = ctx;
     struct vor_seeds *seeds = attach->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
     const struct vor_place *here = &scratch->here;
-    size_t beyond = 0, first = (begin + attach->every - 1) / attach->every * attach->every;
+    size_t beyond = 0;
     double x[3];
 
-    for (size_t i = first; i < end && !vor_run_is_late(&seeds->run); i += attach->every) {
+    for (size_t i = begin; i < end && !vor_run_is_late(&seeds->run); i++) {
         vor_seeds_position(seeds, i, x);
         beyond += vor_seeds_fit(seeds, scratch, i) != VOR_SURFACE_NONE &&
                   !vor_boundary_beyond(&here->surface, here->near, here->k, x) &&
@@ -227,7 +226,7 @@ static void attach_row(void *ctx, size_t i, unsigned worker)
 
 vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes, struct vor_error *err)
 {
-    struct attach attach = {.seeds = seeds, .every = 1 + seeds->n / VOR_GAPS_COUNTED};
+    struct attach attach = {.seeds = seeds};
     size_t moving = vor_seeds_moving(seeds);
     vor_status status;
 
@@ -240,13 +239,12 @@ vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes, struct vor_error
         if (seeds->kept == NULL)
             return vor_fail(err, VOR_E_NOMEM, "surfaces around input points");
     }
-    status = vor_run_for(&seeds->run, moving,
-                         attach.every == 1 ? vor_seeds_block(seeds->domain) : VOR_SEEDS_BLOCK,
-                         count_block, &attach, err);
+    status =
+        vor_run_for(&seeds->run, moving, vor_seeds_block(seeds->domain), count_block, &attach, err);
     if (status != VOR_OK)
         return status;
-    attach.keep_holes = !vor_run_is_late(&seeds->run) &&
-                        (double)(attach.beyond * attach.every) <= VOR_GAPS_SHARE * (double)seeds->n;
+    attach.keep_holes =
+        !vor_run_is_late(&seeds->run) && (double)attach.beyond <= VOR_GAPS_SHARE * (double)seeds->n;
     *keep_holes = attach.keep_holes;
     return vor_run_rows(&seeds->run, moving, vor_seeds_block(seeds->domain), attach_row, &attach,
                         err);

@@ -23,11 +23,6 @@ enum { RINGS = 1, RINGS_FINE = 2 };
  * the spread of seeds. */
 #define BEND_FLAT 0.4
 
-/* VOR_POINT_LISTS_FAR from MANY seeds on: new lists cost them more, because they do not fit the
- * caches. */
-#define FAR_MANY 0.5
-enum { MANY = 200000 };
-
 static unsigned at_most_all(const struct vor_seeds *seeds, unsigned k)
 {
     return k < seeds->domain->n ? k : (unsigned)seeds->domain->n;
@@ -133,8 +128,7 @@ vor_status vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *doma
 vor_status vor_seeds_index(struct vor_seeds *seeds, const struct vor_run *run,
                            struct vor_error *err)
 {
-    double far = (seeds->n < MANY ? VOR_POINT_LISTS_FAR : FAR_MANY) *
-                 vor_stretched_longest_of_all(&seeds->stretched);
+    double far = VOR_POINT_LISTS_FAR * vor_stretched_longest_of_all(&seeds->stretched);
     vor_status status = vor_wanted_renew(&seeds->wanted, seeds->xyz, run, err);
 
     VOR_THEN(status, vor_stretched_renew(&seeds->stretched, seeds->xyz, run, err));
