@@ -62,13 +62,19 @@ class Daemon:
         todo, all = [self.process.pid], []
         while todo:
             all.append(todo.pop())
-            todo += map(int, open("/proc/%d/task/%d/children" % (all[-1], all[-1])).read().split())
+            try:
+                todo += map(int, open("/proc/%d/task/%d/children" % (all[-1], all[-1])).read().split())
+            except OSError:
+                all.pop()
         return all
 
     def cpu_ms(self):
         ms = 0
         for pid in self.processes():
-            text = open("/proc/%d/stat" % pid).read()
+            try:
+                text = open("/proc/%d/stat" % pid).read()
+            except OSError:
+                continue  # a codec process that has ended: its zygote tells of it
             field = text[text.rindex(")") + 2:].split()
             ended = 2 if "(vor-zygote)" in text else 0  # codec processes that have ended
             ms += sum(map(int, field[11:13 + ended]))
