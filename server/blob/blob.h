@@ -170,17 +170,16 @@ void vor_blob_sha256(const struct vor_blob_writer *writer, char out[VOR_DIGEST_S
 VOR_NODISCARD vor_status vor_blob_recheck(const struct vor_blob_writer *writer,
                                           struct vor_error *err);
 
-/** Bytes of a seal. */
-#define VOR_BLOB_SEAL_SIZE 72
+/** Bytes of a seal: a digest without its NUL. */
+#define VOR_BLOB_SEAL_SIZE (VOR_DIGEST_SIZE - 1)
 
-/** Puts a seal behind the bytes: the digest of them, by which vor_blob_unseal knows them. For blobs
- *  whose digest stands nowhere else; call once, then commit.
+/** Puts a seal behind the bytes: their digest. For blobs whose digest stands nowhere else; call
+ * once, then commit.
  *
  *  @retval VOR_E_IO as vor_blob_append */
 VOR_NODISCARD vor_status vor_blob_seal(struct vor_blob_writer *writer, struct vor_error *err);
 
-/** Takes the seal off the bytes of a blob and compares: *size becomes that of what was sealed. One
- *  without a seal, as former versions wrote them, is left as it is.
+/** Takes the seal off the bytes of a blob and compares: *size becomes that of what was sealed.
  *
  *  @param[in] name  of the blob, for the message
  *

@@ -53,22 +53,19 @@ static struct vt_front front_with_codec(unsigned codec)
     return vt_front_start(kinds, KINDS, config);
 }
 
-static int sink_file(void *ctx, const void *bytes, size_t size)
-{
-    return fwrite(bytes, 1, size, ctx) == size ? 0 : -1;
-}
-
-/* A file with the dump of a sphere. */
+/* A file with the dump of a sphere, as the input of a job. */
 static FILE *dump_sphere(size_t n)
 {
     FILE *file = tmpfile();
-    const struct vor_sink sink = {file, sink_file};
+    struct vor_blob_writer *writer = vor_blob_borrow(fileno(file));
+    const struct vor_sink sink = vor_blob_sink(writer);
     struct vor_cloud cloud;
 
     vt_cloud_sphere(&cloud, 3, n);
     vt_assert_ok(vor_dump_write(&sink, &cloud, &vt_err));
     vor_cloud_free(&cloud);
-    ck_assert_int_eq(fflush(file), 0);
+    vt_assert_ok(vor_blob_seal(writer, &vt_err));
+    vor_blob_discard(writer);
     return file;
 }
 
