@@ -42,7 +42,7 @@ struct winding {
     size_t blocks;
     double area[PIECES]; /* shares of the whole */
     size_t samples, first[PIECES + 1];
-    uint32_t at[PIECES * SAMPLES];
+    uint32_t at[PIECES * SAMPLES];          /* of whole components: both ends of each edge */
     float number[PIECES * SAMPLES][PIECES]; /* what each piece gives there */
     size_t besides;
     double beside[BESIDE][2]; /* numbers on both sides of points of the whole component */
@@ -92,7 +92,7 @@ static double near_number(const struct winding *winding, const struct block *blo
             normal[c] = (double)points->normal[3 * i + c];
         }
         /* What lies nearer than a spacing counts as if it were a spacing away. */
-        r2 = fmax(fmax(vor_dot(to, to), (double)points->area[p]), 1e-300);
+        r2 = fmax(fmax(vor_dot(to, to), (double)points->area[p]), 1e-200);
         number += (winding->span->odd[i] ? -area : area) * vor_dot(to, normal) / (r2 * sqrt(r2));
     }
     return number;
@@ -149,6 +149,73 @@ static void take_beside(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
             winding->beside[k][side] = number;
         }
     }
+}
+
+/* Takes numbers at both ends of edges. */
+static void take_ends(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+{
+    struct winding *winding = ctx;
+
+    for (size_t k = begin; k < end; k++)
+        for (int side = 0; side < 2; side++) {
+            size_t p = winding->at[2 * k + (size_t)side];
+            double x[3], number = 0;
+
+            vor_to_doubles(x, &winding->points->xyz[3 * p]);
+            for (size_t b = 0; b < winding->blocks; b++)
+                number += number_of(winding, &winding->block[b], p, x);
+            winding->beside[k][side] = number;
+        }
+}
+
+/* Lists every step-th edge of the component at work that the other signs turn. Returns how many it
+ * has of these, which begin at so many points. */
+static size_t list_turned(size_t *points, struct winding *winding, size_t step)
+{
+    const struct vor_graph *graph = winding->points->graph;
+    const unsigned char *odd = winding->span->odd, *other = winding->points->other;
+    size_t count = 0;
+
+    *points = 0;
+    for (size_t k = 0; k < winding->start[PIECES]; k++) {
+        uint32_t i = winding->member[k];
+        size_t before = count;
+
+        for (unsigned a = 0; a < graph->count[i]; a++) {
+            uint32_t j = graph->list[(size_t)i * graph->most + a];
+
+            if ((odd[i] ^ odd[j]) == (other[i] ^ other[j]))
+                continue;
+            if (step > 0 && count % step == 0) {
+                winding->at[2 * (count / step)] = i;
+                winding->at[2 * (count / step) + 1] = j;
+            }
+            count++;
+        }
+        *points += count > before;
+    }
+    return count;
+}
+
+/* Finds how far numbers differ over edges that the other signs turn. */
+static vor_status find_jump(struct vor_winding_found *out, struct winding *winding,
+                            const struct vor_run *run, struct vor_error *err)
+{
+    size_t points, all = list_turned(&points, winding, 0), step = (all + BESIDE - 1) / BESIDE;
+    vor_status status;
+
+    if (all == 0)
+        return VOR_OK;
+    out->seam = (double)points / sqrt((double)winding->start[PIECES]);
+    (void)list_turned(&points, winding, step);
+    winding->besides = (all + step - 1) / step;
+    status = vor_run_for(run, winding->besides, 1, take_ends, winding, err);
+    for (size_t k = 0; k < winding->besides && status == VOR_OK; k++) {
+        double jump = winding->beside[k][0] - winding->beside[k][1];
+
+        out->jump += jump * jump / (double)winding->besides;
+    }
+    return status;
 }
 
 /* Mean square of how far the numbers beside the surface are from 0 or from that inside. */
@@ -242,7 +309,7 @@ static struct vor_winding_found found_with(const struct winding *winding, uint64
         }
     }
     miss = fmax(0, .5 - fabs(mean));
-    return (struct vor_winding_found){mean, square - mean * mean + miss * miss, 0};
+    return (struct vor_winding_found){mean, square - mean * mean + miss * miss, 0, 0, 0};
 }
 
 /* Adds to the pieces that are turned those whose turning gains most. Returns whether there are any.
@@ -382,7 +449,7 @@ vor_status vor_winding_find(struct vor_winding_found *out, const struct vor_span
     for (size_t c = 0; c < span->components && status == VOR_OK; c++) {
         size_t count = winding->begins[c + 1] - winding->begins[c];
 
-        out[c] = (struct vor_winding_found){0, 0, 0};
+        out[c] = (struct vor_winding_found){0, 0, 0, 0, 0};
         if (count < points->least)
             continue;
         status = measure(winding, c, 0, run, err);
@@ -392,6 +459,8 @@ vor_status vor_winding_find(struct vor_winding_found *out, const struct vor_span
             continue;
         out[c] = found_with(winding, 0);
         out[c].stray = stray(winding, out[c].mean < 0 ? -1 : 1);
+        if (points->other != NULL)
+            status = find_jump(&out[c], winding, run, err);
     }
     end(winding, run);
     return status;

@@ -23,6 +23,8 @@ struct vor_winding_points {
     const float *area;   /**< n: what a point stands for, not negative */
     size_t least;        /**< vor_winding_find leaves out components of fewer points, of which a
                               spacing is a large part */
+    const struct vor_graph *graph; /**< of vor_span_make, where there is `other` */
+    const unsigned char *other;    /**< n: other signs than the span's; NULL: none */
 };
 
 /** Turns those of the patches of `span` that face the wrong way: the one first whose turning gains
@@ -45,6 +47,10 @@ struct vor_winding_found {
     double stray; /**< mean square of how far they are from 0 or 1 (or -1), a spacing off the
                      surface on both sides; likewise. Of a noisy star prism with two sides of an arm
                      the wrong way 0.034, all right 0.016, where apart is 0.056 and 0.041 */
+    double jump;  /**< mean square of how far they differ between both ends of edges that the
+                       other signs turn: small where the span's are right, closed or not; 0 where
+                       no edge is */
+    double seam;  /**< points that such edges begin at, over the root of all */
 };
 
 /** Finds the numbers on the points of each component, from this component alone.

@@ -289,7 +289,8 @@ static vor_status fit_and_spread(struct vor_orientation *out, struct orient *ori
     orient->normal = out->normal;
     signs->back =
         (struct vor_back){orient->on, orient->graph, out->normal, orient->rough, out->back};
-    signs->points = (struct vor_winding_points){orient->on->xyz, out->normal, area, SMALL};
+    signs->points = (struct vor_winding_points){
+        .xyz = orient->on->xyz, .normal = out->normal, .area = area, .least = SMALL};
     signs->vote = orient->domain->known.neighbors.usual <= orient->graph->most;
     VOR_THEN(status, vor_run_for(run, n, BLOCK, normal_block, orient, err));
     VOR_THEN(status, vor_back_find(&signs->back, VOR_VOTES + 1, run, err));

@@ -57,27 +57,38 @@ static double mirrored(const struct edge *edge)
     return edge->cosine - 2 * edge->a * edge->b / edge->length2;
 }
 
-/* Whether the signs at both ends differ, by their planes where these meet between them. */
-static int turns_by_planes(const struct edge *edge)
+/* Below 0 where the signs at both ends differ, by their planes where these meet between them. */
+static double by_planes(const struct edge *edge)
 {
     double sine2 = 1 - edge->cosine * edge->cosine;
 
     if (fmax(edge->a * edge->a, edge->b * edge->b) > 2 * edge->length2 * sine2)
-        return mirrored(edge) < 0;
-    return edge->cosine - PLANES * edge->a * edge->b / edge->length2 < 0;
+        return mirrored(edge);
+    return edge->cosine - PLANES * edge->a * edge->b / edge->length2;
+}
+
+/* Whether planes contradict the mirror. */
+static int is_contradicted(const struct edge *edge)
+{
+    return (by_planes(edge) < 0) != (mirrored(edge) < 0);
 }
 
 /* An edge along a normal weighs as much as one between normals at right angles; at 0 / 1 / 2 of
- * that: armadillo 75, 14, 15 / 30, 16, 15 / 31, 16, 15 points are wrong; fandisk 6569 / 0 / 0. */
+ * that: armadillo 75, 14, 15 / 30, 16, 15 / 31, 16, 15 points are wrong; fandisk 6569 / 0 / 0. At a
+ * fold the mirror is about 0 where planes contradict it, and sure of nothing; planes weigh instead.
+ */
 unsigned char vor_propagation_edge(const struct vor_propagation *propagation, size_t i, size_t j)
 {
     const struct vor_back *back = &propagation->back;
     struct edge edge = look(propagation, i, j);
     double along = mirrored(&edge), more = 0, weight;
-    int turns =
-        propagation->planes[i] || propagation->planes[j] ? turns_by_planes(&edge) : along < 0;
+    int turns = along < 0;
 
     weight = fmax(0, 1 - fabs(along) + fmax(edge.a * edge.a, edge.b * edge.b) / edge.length2);
+    if ((propagation->planes[i] || propagation->planes[j]) && is_contradicted(&edge)) {
+        weight = fmax(0, 1 - fabs(by_planes(&edge)));
+        turns = !turns;
+    }
     if (propagation->rough_last)
         more = fmin(1, fmax((double)back->rough[i], (double)back->rough[j]));
     else if (back->at[i] == VOR_BACK_BESIDE || back->at[j] == VOR_BACK_BESIDE)
@@ -112,7 +123,7 @@ static void contradict_block(void *ctx, size_t begin, size_t end, VOR_UNUSED uns
         for (unsigned a = 0; a < graph->count[i] && !propagation->planes[i]; a++) {
             struct edge edge = look(propagation, i, graph->list[i * graph->most + a]);
 
-            propagation->planes[i] = turns_by_planes(&edge) != (mirrored(&edge) < 0);
+            propagation->planes[i] = (unsigned char)is_contradicted(&edge);
         }
 }
 
@@ -143,18 +154,48 @@ static void outvote(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned wor
     }
 }
 
+static vor_status outvote_all(struct anew *anew, const struct vor_run *run, struct vor_error *err)
+{
+    size_t n = anew->span.n;
+    vor_status status = VOR_OK;
+
+    for (unsigned k = 0; k < VOR_VOTES && status == VOR_OK; k++)
+        status = vor_run_for(run, n, n, outvote, anew, err); /* one task: their order decides */
+    return status;
+}
+
+/* Gives points beside a rim back the side they had, as seen from the nearest neighbour that is
+ * none: lists there have both faces, and most of them say nothing. Facing inward of 150 blades'
+ * 1,500,000 points, without / with: 637 / 494; of 75 with noise 9,240 / 7,153 of 750,000. */
+static void keep_beside(struct vor_span *span, const struct vor_propagation *propagation)
+{
+    const struct vor_back *back = &propagation->back;
+    const struct vor_graph *graph = back->graph;
+    const unsigned char *was = propagation->span.odd;
+
+    for (size_t i = 0; i < span->n; i++)
+        for (unsigned a = 0; a < graph->count[i] && back->at[i] == VOR_BACK_BESIDE; a++) {
+            uint32_t j = graph->list[i * graph->most + a];
+
+            if (back->at[j] == VOR_BACK_BESIDE)
+                continue;
+            span->odd[i] = span->odd[j] ^ was[i] ^ was[j];
+            break;
+        }
+}
+
 /* Spreads the signs anew, by votes, and turns what faces the wrong way by itself: patches, then
  * points. */
 static vor_status spread_anew(struct anew *anew, const struct vor_run *run, struct vor_error *err)
 {
     const struct vor_propagation *propagation = anew->propagation;
-    size_t n = propagation->back.on->n;
     vor_status status =
         vor_span_make(&anew->span, propagation->back.graph, propagation->edge, 1, run, err);
 
     VOR_THEN(status, vor_winding_turn(&anew->span, &propagation->points, run, err));
-    for (unsigned k = 0; k < VOR_VOTES && status == VOR_OK; k++)
-        status = vor_run_for(run, n, n, outvote, anew, err); /* one task: their order decides */
+    VOR_THEN(status, outvote_all(anew, run, err));
+    if (status == VOR_OK && !propagation->rough_last)
+        keep_beside(&anew->span, propagation);
     VOR_THEN(status, vor_winding_find(anew->found, &anew->span, &propagation->points, run, err));
     return status;
 }
@@ -167,12 +208,17 @@ static int is_closed(const struct vor_winding_found *found)
 /* Whether a component takes signs spread once more, by how far winding numbers beside the surface
  * are from what a closed one has (of a noisy star 0.016, with two sides of an arm the wrong way
  * 0.034): by votes, which mend single points, unless that closes it worse by a quarter; else where
- * that closes it better by a quarter. */
+ * that closes it better by a quarter; and by planes, if both leave it open, where the numbers jump
+ * less by a quarter over the edges whose ends have other signs than before, and these are no more
+ * than a seam. Of sheets with three to six folds of 50 degrees they jump by 0.10 to 0.15 by the
+ * mirror, 0.04 to 0.07 by planes. */
 static int takes(enum by by, const struct vor_winding_found *was,
                  const struct vor_winding_found *now)
 {
     if (by == BY_VOTES)
         return is_closed(was) && 4 * now->stray < 5 * was->stray;
+    if (by == BY_PLANES && !is_closed(was) && !is_closed(now))
+        return now->seam <= VOR_SEAM && 4 * now->jump < 3 * was->jump;
     return is_closed(now) && 4 * now->stray < 3 * was->stray;
 }
 
@@ -246,8 +292,8 @@ static vor_status mend(struct vor_propagation *propagation, const struct vor_run
     return status;
 }
 
-/* Spreads signs over the edges, and mends them. */
-static vor_status spread(struct vor_propagation *propagation, const struct vor_run *run,
+/* Spreads signs over the edges, by votes or by the lightest, and mends them. */
+static vor_status spread(struct vor_propagation *propagation, int vote, const struct vor_run *run,
                          struct vor_error *err)
 {
     const struct vor_graph *graph = propagation->back.graph;
@@ -260,12 +306,17 @@ static vor_status spread(struct vor_propagation *propagation, const struct vor_r
     size_t dropped = 0;
     vor_status status = make_edges(propagation, run, err);
 
-    VOR_THEN(status, vor_span_make(span, graph, propagation->edge, 0, run, err));
+    VOR_THEN(status, vor_span_make(span, graph, propagation->edge, vote, run, err));
     VOR_THEN(status, vor_back_drop(&dropped, &propagation->back, span, VOR_SEAM, err));
     if (dropped > 0) { /* their edges are like all others */
         vor_span_free(span);
         VOR_THEN(status, make_edges(propagation, run, err));
-        VOR_THEN(status, vor_span_make(span, graph, propagation->edge, 0, run, err));
+        VOR_THEN(status, vor_span_make(span, graph, propagation->edge, vote, run, err));
+    }
+    if (vote) {
+        struct anew anew = {.propagation = propagation, .span = *span};
+
+        VOR_THEN(status, outvote_all(&anew, run, err));
     }
     VOR_THEN(status, mend(propagation, run, err));
     VOR_THEN(status, vor_flip_regions(span, graph, propagation->edge, &propagation->points, &how,
@@ -281,16 +332,20 @@ static vor_status try_planes(struct vor_propagation *propagation, const struct v
     struct vor_span first = propagation->span;
     struct anew anew = {.propagation = propagation};
     struct vor_winding_found *found = NULL;
+    struct vor_winding_points points = propagation->points;
     vor_status status;
 
+    points.graph = propagation->back.graph;
     propagation->span = (struct vor_span){.n = 0};
     status = VOR_MAKE_ALL(run->memory, err, components, VOR_ARRAY(found, components, 1),
                           VOR_ARRAY(anew.found, components, 1));
-    VOR_THEN(status, spread(propagation, run, err));
+    VOR_THEN(status, spread(propagation, propagation->vote, run, err));
     anew.span = propagation->span;
     propagation->span = first;
-    VOR_THEN(status, vor_winding_find(found, &first, &propagation->points, run, err));
-    VOR_THEN(status, vor_winding_find(anew.found, &anew.span, &propagation->points, run, err));
+    points.other = propagation->vote ? anew.span.odd : NULL;
+    VOR_THEN(status, vor_winding_find(found, &first, &points, run, err));
+    points.other = propagation->vote ? first.odd : NULL;
+    VOR_THEN(status, vor_winding_find(anew.found, &anew.span, &points, run, err));
     for (size_t i = 0; i < n && status == VOR_OK; i++)
         propagation->planes[i] &= (unsigned char)takes(BY_PLANES, &found[first.component[i]],
                                                        &anew.found[first.component[i]]);
@@ -311,7 +366,7 @@ vor_status vor_propagate(struct vor_propagation *propagation, const struct vor_r
                      VOR_ARRAY(propagation->edge, n, propagation->back.graph->most));
 
     VOR_THEN(status, vor_back_edges(&propagation->back, propagation->edge, run, err));
-    VOR_THEN(status, spread(propagation, run, err));
+    VOR_THEN(status, spread(propagation, 0, run, err));
     VOR_THEN(status, vor_run_for(run, n, BLOCK, contradict_block, propagation, err));
     if (status == VOR_OK && memchr(propagation->planes, 1, n) != NULL)
         status = try_planes(propagation, run, err);

@@ -9,7 +9,8 @@
  *  ends meet between them, the edge says whether each end is below the other's plane, or above it:
  *  right at any crease and any distance, but wrong where normals near a crease are those of
  *  neither face. A component takes these signs where winding numbers say that they close it
- *  better by a quarter. */
+ *  better by a quarter, or, where it is open, that they differ less by as much between the ends of
+ *  the edges that the two have on different sides. */
 #ifndef VOR_INPUT_PROPAGATE_H
 #define VOR_INPUT_PROPAGATE_H
 

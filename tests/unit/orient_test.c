@@ -307,6 +307,30 @@ VT_TEST_FIGURES(blades_face_outward, VT_ONCE(12))
     vor_cloud_free(&cloud);
 }
 
+/* A sheet with three folds of 50 degrees, where fits turn their normals through the bisector: by
+ * the mirror half of it faces the other way. */
+VT_TEST_FIGURES(a_folded_sheet_faces_one_way, VT_ONCE(3))
+{
+    const double half = 25 * M_PI / 180;
+    size_t ahead = 0, n = 3 * (size_t)N;
+    struct vor_cloud cloud;
+    struct oriented oriented;
+
+    vt_cloud_square(&cloud, (uint64_t)_i, n);
+    for (size_t i = 0; i < n; i++) {
+        double u = 2 * (double)cloud.xyz[3 * i];
+
+        cloud.xyz[3 * i] = (float)(fabs(remainder(u, 2)) * cos(half));
+        cloud.xyz[3 * i + 2] = (float)(u * sin(half));
+    }
+    orient_on(&oriented, &cloud, 2);
+    for (size_t i = 0; i < n; i++)
+        ahead += oriented.found.normal[3 * i] > 0;
+    ck_assert_uint_le(ahead < n - ahead ? ahead : n - ahead, n / 1000);
+    done(&oriented);
+    vor_cloud_free(&cloud);
+}
+
 /* Half of a square faces the other way, though most edges across the line deny it: it is turned. On
  * a sphere the same edges are wrong, as winding numbers show: nothing is turned. */
 VT_TEST_LOOP(regions_that_edges_contradict_are_turned_unless_that_opens_a_closed_surface,
@@ -347,6 +371,7 @@ VT_TEST_LOOP(regions_that_edges_contradict_are_turned_unless_that_opens_a_closed
                 edge[i * graph.most + a] = VOR_SPAN_TURNS;
         }
     }
+    area[0] = 0; /* as of a stray: numbers are taken there too */
     vt_assert_ok(vor_flip_regions(&span, &graph, edge, &points, &how, &engine.run, &vt_err));
     for (size_t i = 0; i < N; i++)
         ck_assert_uint_eq(odd[i], odd[0]);
