@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/base/vector.h"
+#include "core/geom/surface.h"
 
 #include <assert.h>
 #include <math.h>
@@ -25,7 +26,7 @@ typedef float lanes __attribute__((vector_size(4 * LANES)));
 #define WEIGHT_REACH 0.9
 #define WEIGHT_FAR 0.02
 /* Least pivot of what determines h: where all points are on one side nothing does. */
-#define PIVOT 1e-5f
+#define PIVOT ((float)VOR_NEGLIGIBLE)
 
 /* The terms are made orthonormal over the weighted points, so that q is one projection. Arrays by
  * points are as wide as a vector's multiple; what is past n is 0. */

@@ -7,10 +7,6 @@
 #include <stdatomic.h>
 #include <string.h>
 
-/* Cosine of 66 degrees: the largest angle between the normal of a point and that of the loop at
- * which the point lies over the plane without a fold. */
-#define FOLD_COSINE 0.4
-
 enum { BLOCK = 1024 }; /* points of one task */
 
 /* Share of the band's points that may be steeper, or over the hole. Borders are ragged. */
@@ -114,13 +110,14 @@ static void project(double out[2], const struct vor_band *band, double axis[3][3
     out[1] = vor_dot(axis[1], d);
 }
 
-/* Whether the normal of a point is nearly in the plane; a point without one is not. */
+/* Whether the normal of a point points another way than that of the loop, either way up, so that
+ * the band folds; that of a point without one does not. */
 static int is_steep(const struct vor_domain *domain, uint32_t point, const double up[3])
 {
     double own[3];
 
     vor_to_doubles(own, domain->graph.normal + 3 * (size_t)point);
-    return vor_dot(own, own) > 0 && fabs(vor_dot(own, up)) < FOLD_COSINE;
+    return vor_dot(own, own) > 0 && fabs(vor_dot(own, up)) < VOR_SAME_WAY;
 }
 
 /* A band being laid out. */

@@ -13,7 +13,6 @@ enum {
     CURVED_MOST = 64
 };
 
-#define CURVATURE_FLOOR 1e-4
 /* Points of the result within two spacings: curvature is taken over so much of the surface, because
  * points cannot follow what bends within less. */
 #define CURVED_WITHIN (4 * VOR_HEXAGON_WITHIN)
@@ -80,7 +79,7 @@ vor_status vor_curved_init(struct vor_curved *out, const struct vor_domain *doma
         fmax(CURVED_WITHIN * (double)out->domain->n / (double)n, VOR_NEIGHBORS_FEWEST),
         CURVED_MOST);
     out->even = sqrt(area / (VOR_HEXAGON_HEIGHT * (double)n));
-    out->floor = CURVATURE_FLOOR / across;
+    out->floor = VOR_NEGLIGIBLE / across;
     return VOR_OK;
 }
 

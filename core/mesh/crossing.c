@@ -7,7 +7,7 @@
 /* Points nearest to the middle of a triangle at which others are looked for. One that passes
  * through it has a corner within 1.2 edges of the middle; on each of three even sheets 8 points
  * reach 1.5 edges far. On shell60k 6, 24 and 48 find the same. */
-enum { AROUND = 24, BLOCK = 256 };
+enum { AROUND = VOR_BALLS_MANY, BLOCK = 256 };
 
 /* What workers share. */
 struct crossing {
