@@ -6,7 +6,8 @@
 
 /** Our own exact dump of a decoded cloud, for the machine that wrote it: what a job keeps so that
  * no retry parses the upload again. The reader checks sizes and finiteness but is not for
- * strangers' bytes. Same failures as vor_format.read and .write. */
+ * strangers' bytes. Another form, or another seal (server/blob/seal.h), makes the stores' schemas
+ * new ones: jobs that wait have the old. Same failures as vor_format.read and .write. */
 VOR_NODISCARD vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
                                         struct vor_error *err);
 /** Bytes that the dump of a cloud will have. No cost: nothing is copied. */

@@ -40,7 +40,7 @@ struct vor_planes {
  *
  *  @param[out] out  free with vor_planes_free; untouched on failure
  *
- *  @retval VOR_E_NOMEM 500 n bytes do not fit */
+ *  @retval VOR_E_NOMEM 420 n bytes do not fit */
 VOR_NODISCARD vor_status vor_planes_init(struct vor_planes *out, struct vor_seeds *seeds,
                                          int crossed, struct vor_error *err);
 

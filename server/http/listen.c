@@ -157,8 +157,11 @@ static void on_connection(void *cls, struct MHD_Connection *connection, void **s
     known = info != NULL && info->client_addr != NULL &&
             vor_address_of_socket(&from, info->client_addr);
     info = vor_mhd->get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-    if (info != NULL)
-        *socket_context = vor_conn_enter(http->guard, info->connect_fd, known ? &from : NULL);
+    if (info == NULL)
+        return;
+    *socket_context = vor_conn_enter(http->guard, info->connect_fd, known ? &from : NULL);
+    if (*socket_context == NULL) /* nobody would watch how slowly its head comes */
+        (void)shutdown(info->connect_fd, SHUT_RDWR);
 }
 
 static void on_log(void *cls, const char *format, va_list args) VOR_PRINTF(2, 0);

@@ -1,7 +1,7 @@
 #include "server/store/sql_verbs.h"
 
 /* The tables, indexes and triggers of sqlite_schema.c, which says what each is for. */
-enum { SCHEMA_VERSION = 6 };
+enum { SCHEMA_VERSION = 7 };
 
 /* clang-format off */
 
@@ -117,7 +117,7 @@ enum { SCHEMA_VERSION = 6 };
     "ALTER TABLE job_run SET (fillfactor = 50, autovacuum_vacuum_scale_factor = 0.02);"
 
 static const char first[] =
-    FUNCTIONS BESIDE JOB VOR_SQL_TABLES_BESIDE("bigint PRIMARY KEY") INDEXES_AND_TRIGGERS "INSERT INTO voronoid_schema (version) VALUES (6);";
+    FUNCTIONS BESIDE JOB VOR_SQL_TABLES_BESIDE("bigint PRIMARY KEY") INDEXES_AND_TRIGGERS "INSERT INTO voronoid_schema (version) VALUES (7);";
 
 /* Before, all jobs were in one table. */
 static const char from_5[] =
@@ -127,7 +127,7 @@ static const char from_5[] =
     " nextval(pg_get_serial_sequence('job_before', 'seq')), false);"
     "DROP TABLE job_before;" INDEXES_AND_TRIGGERS
     "INSERT INTO idempotency SELECT principal, idem_key, seq FROM job WHERE idem_key IS NOT NULL;"
-    "UPDATE voronoid_schema SET version = 6;";
+    "UPDATE voronoid_schema SET version = 7;";
 
 /* clang-format on */
 

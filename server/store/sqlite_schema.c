@@ -1,7 +1,7 @@
 #include "server/store/sql_verbs.h"
 
 /* No store of an earlier version was released. */
-enum { SCHEMA_VERSION = 14 };
+enum { SCHEMA_VERSION = 15 };
 
 /* What stands beside the tables of jobs (VOR_SQL_TABLE_OF_JOB). ledger is what each principal has,
  * and the turn of its job that was claimed last; round is how much waits, by which a place in the
@@ -74,7 +74,7 @@ enum { SCHEMA_VERSION = 14 };
     VOR_SQL_TABLES_BESIDE("INTEGER PRIMARY KEY")
 
 static const char first[] =
-    "BEGIN;" BESIDE JOBS INDEXES TRIGGERS "PRAGMA user_version=14; COMMIT;";
+    "BEGIN;" BESIDE JOBS INDEXES TRIGGERS "PRAGMA user_version=15; COMMIT;";
 /* clang-format on */
 
 static const struct {
