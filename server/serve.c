@@ -49,8 +49,7 @@ static const double farewell_seconds = 0.2; /* kept connections are told Connect
 /* Before children, when the kernel is out of memory, and after what can wait for it. */
 enum { OOM_SCORE = -100 };
 
-/* What the zygote forks: children for a piece of work with strangers' bytes, and for runs of jobs.
- */
+/* What the zygote forks: children for work with strangers' bytes, and for runs of jobs. */
 enum { CHILD_CODEC, CHILD_WORKER, CHILD_KINDS };
 
 static const struct vor_child_kind child_kinds[CHILD_KINDS] = {
@@ -119,25 +118,27 @@ static void fail(void *ctx, const struct vor_error *why)
 
 static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
 {
-    struct vor_config *config = &daemon->config;
+    const struct vor_config *config = &daemon->config;
+    struct vor_app *app = &daemon->app;
     struct vor_blob_cache cache = {config->text[VOR_SET_DATA],
                                    (uint64_t)config->number[VOR_SET_BLOBS_CACHE],
                                    config->is_shared};
     int64_t daemons = 0;
-    vor_status status = vor_store_open(&daemon->app.store, config->text[VOR_SET_STORE],
-                                       config->is_shared, &daemon->holder, err);
+    vor_status status = vor_store_open(&app->store, config->text[VOR_SET_STORE], config->is_shared,
+                                       &daemon->holder, err);
 
-    VOR_THEN(status, vor_blobs_open(&daemon->app.blobs, config->text[VOR_SET_BLOBS], &cache,
+    VOR_THEN(status, vor_blobs_open(&app->blobs, config->text[VOR_SET_BLOBS], &cache,
                                     &daemon->holder, err));
-    VOR_THEN(status, vor_store_daemons(daemon->app.store, &daemons, err));
-    VOR_THEN(status, vor_blobs_claim(daemon->app.blobs, vor_store_secret(daemon->app.store),
+    VOR_THEN(status, vor_store_daemons(app->store, &daemons, err));
+    VOR_THEN(status, vor_blobs_claim(app->blobs, vor_store_secret(app->store),
                                      config->is_shared && daemons > 0, err));
+    VOR_THEN(status, vor_blobs_keep_small(app->blobs, vor_store_small_files(app->store), err));
     if (status != VOR_OK)
         return status;
-    vor_tickets_share(daemon->app.tickets, vor_store_secret(daemon->app.store));
-    vor_store_set_reserve(daemon->app.store, (uint64_t)config->number[VOR_SET_DISK_RESERVE]);
-    vor_blobs_set_reserve(daemon->app.blobs, (uint64_t)config->number[VOR_SET_DISK_RESERVE]);
-    vor_blobs_set_public_url(daemon->app.blobs, config->text[VOR_SET_BLOBS_PUBLIC_URL]);
+    vor_tickets_share(app->tickets, vor_store_secret(app->store));
+    vor_store_set_reserve(app->store, (uint64_t)config->number[VOR_SET_DISK_RESERVE]);
+    vor_blobs_set_reserve(app->blobs, (uint64_t)config->number[VOR_SET_DISK_RESERVE]);
+    vor_blobs_set_public_url(app->blobs, config->text[VOR_SET_BLOBS_PUBLIC_URL]);
     return VOR_OK;
 }
 

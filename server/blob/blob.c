@@ -114,6 +114,20 @@ vor_status vor_blobs_open(struct vor_blobs **out, const char *where,
     return VOR_OK;
 }
 
+static void count_small(void *ctx, VOR_UNUSED const char *name, size_t size)
+{
+    ((struct vor_blobs *)ctx)->bytes += size;
+}
+
+vor_status vor_blobs_keep_small(struct vor_blobs *blobs, const struct vor_small_files *small,
+                                struct vor_error *err)
+{
+    if (small == NULL || blobs->driver->spill == NULL)
+        return VOR_OK;
+    blobs->small = small;
+    return small->list(small->ctx, count_small, blobs, err);
+}
+
 void vor_blobs_close(struct vor_blobs *blobs)
 {
     if (blobs != NULL)
@@ -255,6 +269,13 @@ void vor_blob_be_patient(struct vor_blob_writer *writer, const struct vor_blob_p
     writer->patience = *patience;
 }
 
+vor_status vor_blob_expect(struct vor_blob_writer *writer, uint64_t bytes, struct vor_error *err)
+{
+    return writer->is_in_memory && writer->size + bytes > VOR_SMALL_FILE_MAX
+               ? writer->blobs->driver->spill(writer, err)
+               : VOR_OK;
+}
+
 vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, size_t size,
                            struct vor_error *err)
 {
@@ -266,6 +287,8 @@ vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, si
     if (writer->is_promised && size > writer->promised && writer->failure.status == VOR_OK &&
         (size >= PROMISE_STEP || promise(writer, PROMISE_STEP, NULL) != VOR_OK) &&
         promise(writer, size, &writer->failure) != VOR_OK)
+        assert(writer->failure.status != VOR_OK);
+    if (vor_blob_expect(writer, size, &writer->failure) != VOR_OK)
         assert(writer->failure.status != VOR_OK);
     while (writer->failure.status == VOR_OK && left > 0) {
         ssize_t wrote = write(writer->fd, at, left);

@@ -77,6 +77,17 @@ VOR_NODISCARD vor_status vor_blobs_open(struct vor_blobs **out, const char *wher
 VOR_NODISCARD vor_status vor_blobs_claim(struct vor_blobs *blobs, const char *store, int is_joined,
                                          struct vor_error *err);
 
+/** From now on blobs of few bytes in files of this machine are kept there: a commit of one waits
+ * for no disk, and is durable with the next durable change of a row. Once, before other threads
+ * know the blobs.
+ *
+ *  @param[in] small  borrowed; NULL for none
+ *
+ *  @retval VOR_E_IO */
+VOR_NODISCARD vor_status vor_blobs_keep_small(struct vor_blobs *blobs,
+                                              const struct vor_small_files *small,
+                                              struct vor_error *err);
+
 /** blobs may be NULL; no writer may be open. */
 void vor_blobs_close(struct vor_blobs *blobs);
 
@@ -142,6 +153,13 @@ VOR_NODISCARD vor_status vor_blob_promise(struct vor_blob_writer *writer, uint64
 VOR_NODISCARD vor_status vor_blob_reopen(struct vor_blobs *blobs,
                                          const struct vor_blob_source *from,
                                          struct vor_blob_writer **out, int *found,
+                                         struct vor_error *err);
+
+/** So many bytes, or nearly, will come by its descriptor (vor_blob_fd, vor_blob_adopt) and not by
+ *  appending. Before the first one, and before anybody has the descriptor.
+ *
+ *  @retval VOR_E_IO */
+VOR_NODISCARD vor_status vor_blob_expect(struct vor_blob_writer *writer, uint64_t bytes,
                                          struct vor_error *err);
 
 /** @retval VOR_E_IO the bytes were not taken; the writer can only be discarded */

@@ -1,6 +1,8 @@
+#define _GNU_SOURCE /* memfd_create */
 #include "server/blob/dir.h"
 
 #include "server/base/disk.h"
+#include "server/blob/pieces.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -9,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/mman.h>
 #include <sys/sendfile.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
@@ -93,6 +96,26 @@ static void count_less(struct vor_blobs *blobs, uint64_t size)
 
     while (!atomic_compare_exchange_weak(&blobs->bytes, &had, had - (size < had ? size : had)))
         continue;
+}
+
+/* A small file that was asked for: its size, and, unless only that was, a copy in memory. */
+struct small {
+    uint64_t size;
+    int found, fd;
+};
+
+static void take_small(void *ctx, const void *bytes, size_t size)
+{
+    struct small *small = ctx;
+
+    small->found = 1;
+    small->size = size;
+    if (bytes != NULL)
+        small->fd = memfd_create("small", MFD_CLOEXEC);
+    if (small->fd >= 0 && pwrite(small->fd, bytes, size, 0) != (ssize_t)size) {
+        close(small->fd);
+        small->fd = -1;
+    }
 }
 
 /* Bytes of a file in keep; 0 when there is none. */
@@ -228,7 +251,11 @@ vor_status vor_blob_directory_create(struct vor_blobs *blobs, struct vor_blob_wr
 
     if (writer == NULL)
         return vor_fail(err, VOR_E_NOMEM, "a temporary file");
-    status = open_temporary((struct vor_blob_directory *)blobs, writer, err);
+    writer->base.fd = blobs->small != NULL ? memfd_create("small", MFD_CLOEXEC) : -1;
+    writer->base.is_in_memory = writer->base.fd >= 0;
+    status = writer->base.is_in_memory
+                 ? VOR_OK
+                 : open_temporary((struct vor_blob_directory *)blobs, writer, err);
     if (status != VOR_OK) {
         free(writer);
         return status;
@@ -252,11 +279,13 @@ static vor_status sync_name(struct vor_blob_writer *base, const char *file, int 
     return status;
 }
 
-/* Gives a writer that reads another blob a file of its own with the same bytes. */
-static vor_status copy_source(struct vor_blob_directory *directory, struct writer *writer,
-                              struct vor_error *err)
+/* Gives a writer that reads another blob, or is in memory, a file of its own with the same bytes.
+ */
+static vor_status spill(struct vor_blob_writer *base, struct vor_error *err)
 {
     enum { STEP = 1 << 30 }; /* bytes; one call takes somewhat fewer than 2 GiB */
+    struct vor_blob_directory *directory = (struct vor_blob_directory *)base->blobs;
+    struct writer *writer = (struct writer *)base;
     int from = writer->base.fd;
     off_t at = 0;
     ssize_t got;
@@ -272,6 +301,7 @@ static vor_status copy_source(struct vor_blob_directory *directory, struct write
     if (got < 0)
         status = vor_fail_errno(err, errno, "copying a stored file");
     close(from);
+    base->is_in_memory = 0;
     return status;
 }
 
@@ -279,16 +309,16 @@ static vor_status name_file(struct vor_blob_writer *base, const char *file, stru
 {
     struct vor_blob_directory *directory = (struct vor_blob_directory *)base->blobs;
     struct writer *writer = (struct writer *)base;
-    vor_status status;
+    vor_status status = VOR_OK;
 
-    if (writer->from[0] != '\0') {
-        /* Not on every file system, and not once the other blob is dropped. */
-        if (linkat(directory->keep, writer->from, directory->keep, file, 0) == 0)
-            return sync_name(base, file, 1, err);
-        status = copy_source(directory, writer, err);
-        if (status != VOR_OK)
-            return status;
-    }
+    /* Not on every file system, and not once the other blob is dropped. */
+    if (writer->from[0] != '\0' &&
+        linkat(directory->keep, writer->from, directory->keep, file, 0) == 0)
+        return sync_name(base, file, 1, err);
+    if (writer->from[0] != '\0' || base->is_in_memory)
+        status = spill(base, err);
+    if (status != VOR_OK)
+        return status;
     if (!base->is_lazy && fsync(base->fd) != 0)
         return vor_fail_errno(err, errno, "writing a stored file to the disk");
     if (renameat(directory->tmp, writer->file, directory->keep, file) != 0)
@@ -297,15 +327,38 @@ static vor_status name_file(struct vor_blob_writer *base, const char *file, stru
     return sync_name(base, file, 0, err);
 }
 
+static vor_status keep_small(struct vor_blob_writer *base, const char *file, uint64_t *was,
+                             struct vor_error *err)
+{
+    const struct vor_small_files *small = base->blobs->small;
+    char bytes[VOR_SMALL_FILE_MAX];
+    vor_status status = vor_piece_read(base->fd, 0, bytes, (size_t)base->size, err);
+
+    return status == VOR_OK ? small->put(small->ctx, file, bytes, (size_t)base->size, was, err)
+                            : status;
+}
+
+/* What it takes the place of may stand elsewhere. A file goes before a small one of its name. */
 static vor_status commit(struct vor_blob_writer *base, const char *file, struct vor_error *err)
 {
-    uint64_t before = size_of((struct vor_blob_directory *)base->blobs, file);
-    vor_status status = name_file(base, file, err);
+    struct vor_blob_directory *directory = (struct vor_blob_directory *)base->blobs;
+    const struct vor_small_files *small = base->blobs->small;
+    uint64_t before = size_of(directory, file), was = 0;
+    vor_status status;
 
+    if (small != NULL && base->size <= VOR_SMALL_FILE_MAX) {
+        status = keep_small(base, file, &was, err);
+        if (status == VOR_OK && before > 0)
+            (void)unlinkat(directory->keep, file, 0);
+    } else {
+        status = name_file(base, file, err);
+        if (status == VOR_OK && small != NULL)
+            (void)(small->drop(small->ctx, file, &was, NULL) == VOR_OK);
+    }
     if (status != VOR_OK)
         return status;
     base->blobs->bytes += base->size;
-    count_less(base->blobs, before);
+    count_less(base->blobs, before + was);
     return VOR_OK;
 }
 
@@ -319,6 +372,23 @@ void vor_blob_directory_discard(struct vor_blob_writer *base)
     free(writer);
 }
 
+static vor_status get_small(struct vor_blobs *blobs, const char *file, int *fd, uint64_t *size,
+                            int *found, struct vor_error *err)
+{
+    struct small small = {.fd = -1};
+    vor_status status = VOR_OK;
+
+    if (blobs->small != NULL)
+        status = blobs->small->get(blobs->small->ctx, file, fd == NULL, take_small, &small, err);
+    if (status == VOR_OK && small.found && fd != NULL && small.fd < 0)
+        status = vor_fail_errno(err, errno, "a copy of a stored file in memory");
+    *found = status == VOR_OK && small.found;
+    *size = small.size;
+    if (fd != NULL)
+        *fd = small.fd;
+    return status;
+}
+
 static vor_status get(struct vor_blobs *blobs, const char *file, int *fd, uint64_t *size,
                       int *found, struct vor_error *err)
 {
@@ -329,7 +399,8 @@ static vor_status get(struct vor_blobs *blobs, const char *file, int *fd, uint64
         opened = openat(keep, file, O_RDONLY | O_CLOEXEC);
     if ((fd != NULL && opened < 0) ||
         (fd != NULL ? fstat(opened, &info) : fstatat(keep, file, &info, 0)) != 0) {
-        vor_status status = errno == ENOENT ? VOR_OK : vor_fail_errno(err, errno, file);
+        vor_status status = errno == ENOENT ? get_small(blobs, file, fd, size, found, err)
+                                            : vor_fail_errno(err, errno, file);
 
         if (opened >= 0)
             close(opened);
@@ -364,17 +435,34 @@ static vor_status drop(struct vor_blobs *blobs, const char *file, struct vor_err
 {
     uint64_t size = size_of((struct vor_blob_directory *)blobs, file);
 
-    if (unlinkat(((struct vor_blob_directory *)blobs)->keep, file, 0) == 0)
-        count_less(blobs, size);
-    else if (errno != ENOENT)
+    if (unlinkat(((struct vor_blob_directory *)blobs)->keep, file, 0) != 0 && errno != ENOENT)
         return vor_fail_errno(err, errno, file);
+    if (size == 0 && blobs->small != NULL &&
+        blobs->small->drop(blobs->small->ctx, file, &size, err) != VOR_OK)
+        return VOR_E_IO;
+    count_less(blobs, size);
     return VOR_OK;
+}
+
+struct naming {
+    void (*each)(void *ctx, const char *file);
+    void *ctx;
+};
+
+static void name_small(void *ctx, const char *name, VOR_UNUSED size_t size)
+{
+    ((struct naming *)ctx)->each(((struct naming *)ctx)->ctx, name);
 }
 
 static vor_status list(struct vor_blobs *blobs, void (*each)(void *ctx, const char *file),
                        void *ctx, struct vor_error *err)
 {
-    return each_name(((struct vor_blob_directory *)blobs)->keep, each, ctx, err);
+    const struct vor_small_files *small = blobs->small;
+    struct naming naming = {each, ctx};
+    vor_status status = each_name(((struct vor_blob_directory *)blobs)->keep, each, ctx, err);
+
+    return status == VOR_OK && small != NULL ? small->list(small->ctx, name_small, &naming, err)
+                                             : status;
 }
 
 const struct vor_blob_driver vor_blob_dir = {
@@ -385,6 +473,7 @@ const struct vor_blob_driver vor_blob_dir = {
     .space = vor_blob_directory_space,
     .create = vor_blob_directory_create,
     .reopen = reopen,
+    .spill = spill,
     .commit = commit,
     .discard = vor_blob_directory_discard,
     .get = get,

@@ -4,6 +4,9 @@
  *  machines, share the lock, and each locks its files in tmp: those that nobody has locked are left
  *  over.
  *
+ *  Small blobs of one daemon are no files, but stand beside the rows (vor_blobs_keep_small); until
+ *  it is known how large one is, it is in memory.
+ *
  *  Cost of a commit: fsync, rename, fsync of the directory; 0.5 ms for 1 KB, 40 ms for 12 MB. */
 #ifndef VOR_SERVER_BLOB_DIR_H
 #define VOR_SERVER_BLOB_DIR_H

@@ -10,6 +10,7 @@
 #include "core/base/status.h"
 #include "proto/text.h"
 #include "server/base/digest.h"
+#include "server/base/small_files.h"
 #include "server/base/uuid.h"
 
 #include <stdatomic.h>
@@ -28,6 +29,7 @@ struct vor_blobs {
     atomic_int is_broken;      /**< an fsync failed */
     _Atomic uint64_t promised; /**< bytes that writers may still write (vor_blob_promise) */
     _Atomic uint64_t bytes;    /**< of all blobs; the driver's */
+    const struct vor_small_files *small; /**< NULL: small blobs are files as well; borrowed */
 };
 
 /** A blob that is there, and its digest. */
@@ -53,6 +55,7 @@ struct vor_blob_writer {
     int fd; /**< open for reading and writing; the driver closes it */
     uint64_t size;
     int is_lazy;                  /**< the commit need not be durable */
+    int is_in_memory;             /**< fd is no file of a disk, as long as its bytes are few */
     int is_promised;              /**< every byte needs a promise (vor_blob_promise) */
     uint64_t promised;            /**< bytes that are still to come */
     int is_whole;                 /**< the bytes are those of another blob, or all there */
@@ -114,6 +117,9 @@ struct vor_blob_driver {
     /** Makes a writer whose fd reads that blob, and whose size is its size. */
     vor_status (*reopen)(struct vor_blobs *blobs, const char *file, struct vor_blob_writer **out,
                          int *found, struct vor_error *err);
+    /** Gives a writer that is in memory, and to whose fd nobody else holds on, a file for what it
+     * has and what comes. */
+    vor_status (*spill)(struct vor_blob_writer *writer, struct vor_error *err);
     /** Makes its bytes durable, unless it is lazy; discard follows in any case. */
     vor_status (*commit)(struct vor_blob_writer *writer, const char *file, struct vor_error *err);
     /** Frees the writer, and removes its bytes unless they were committed. */

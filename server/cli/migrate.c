@@ -87,6 +87,8 @@ static vor_status open_all(struct migration *move, const struct vor_cli *cli, st
     (void)snprintf(where, sizeof where, "dir:%.4000s/blobs", move->data);
     VOR_THEN(status, vor_blobs_open(&move->from_blobs, where, &cache, &move->holder, err));
     VOR_THEN(status,
+             vor_blobs_keep_small(move->from_blobs, vor_store_small_files(move->from_store), err));
+    VOR_THEN(status,
              vor_store_open(&move->store, cli->option[VOR_OPTION_STORE], 0, &move->holder, err));
     return status == VOR_OK ? vor_blobs_open(&move->blobs, cli->option[VOR_OPTION_BLOBS], &cache,
                                              &move->holder, err)

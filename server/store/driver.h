@@ -10,6 +10,7 @@
 
 #include "core/base/status.h"
 #include "server/base/reserve.h"
+#include "server/base/small_files.h"
 #include "server/store/row.h"
 
 #include <stddef.h>
@@ -18,10 +19,11 @@
 /** A driver's store begins with this, all zero; the door fills in the first two. */
 struct vor_store {
     const struct vor_store_driver *driver;
-    struct vor_reserve *reserve; /**< of the disk; NULL for none */
-    struct vor_reserve *opening; /**< a small one, spent by an opening alone; NULL for none */
-    int is_shared;               /**< other daemons may use it at the same time */
-    char secret[96];             /**< the driver's: of a shared store, with its NUL */
+    struct vor_reserve *reserve;  /**< of the disk; NULL for none */
+    struct vor_reserve *opening;  /**< a small one, spent by an opening alone; NULL for none */
+    struct vor_small_files small; /**< vor_store_small_files */
+    int is_shared;                /**< other daemons may use it at the same time */
+    char secret[96];              /**< the driver's: of a shared store, with its NUL */
 };
 
 /** Whose attempt a change belongs to. */
@@ -193,7 +195,8 @@ extern const struct vor_store_driver vor_store_postgres;
 /* --- the verbs, but for those that a full disk makes room for (store.h) ------------------------
  */
 
-/** Adds an accepted job; sets row->seq. The blobs of its inputs must be durable before.
+/** Adds an accepted job; sets row->seq. The blobs of its inputs must be durable before,
+ *  or become so with it.
  *
  *  @param[in,out] ledger  what its principal may have with this job and the uploads that it keeps:
  *                         if that is too much, is_over is set and nothing is added. NULL: anything

@@ -293,7 +293,8 @@ static const struct vor_sql_engine engine = {
 
 /* A log that one long reader has let grow is cut back to this, in bytes. */
 #define PRAGMAS_OF_WRITER                                                                          \
-    "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA journal_size_limit=16777216;"
+    "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA journal_size_limit=16777216;"        \
+    "PRAGMA temp_store=MEMORY;"
 
 static vor_status open_file(struct sqlite *db, const char *path, long *holder,
                             struct vor_error *err)

@@ -1,7 +1,7 @@
 #include "server/store/sql_verbs.h"
 
 /* No store of an earlier version was released. */
-enum { SCHEMA_VERSION = 15 };
+enum { SCHEMA_VERSION = 16 };
 
 /* What stands beside the tables of jobs (VOR_SQL_TABLE_OF_JOB). ledger is what each principal has,
  * and the turn of its job that was claimed last; round is how much waits, by which a place in the
@@ -21,7 +21,8 @@ enum { SCHEMA_VERSION = 15 };
     "CREATE TABLE daemon (owner TEXT PRIMARY KEY, lease INTEGER NOT NULL,"                         \
     " engine TEXT NOT NULL) WITHOUT ROWID;"                                                        \
     "CREATE TABLE event (seq INTEGER, attempt INTEGER, last INTEGER, data BLOB NOT NULL,"          \
-    " PRIMARY KEY (seq, attempt, last)) WITHOUT ROWID;"
+    " PRIMARY KEY (seq, attempt, last)) WITHOUT ROWID;"                                            \
+    "CREATE TABLE small_file (name TEXT PRIMARY KEY, data BLOB NOT NULL) WITHOUT ROWID;"
 
 /* clang-format off */
 #define WAITS(row) "(" row ".status = 'accepted')"
@@ -74,7 +75,7 @@ enum { SCHEMA_VERSION = 15 };
     VOR_SQL_TABLES_BESIDE("INTEGER PRIMARY KEY")
 
 static const char first[] =
-    "BEGIN;" BESIDE JOBS INDEXES TRIGGERS "PRAGMA user_version=15; COMMIT;";
+    "BEGIN;" BESIDE JOBS INDEXES TRIGGERS "PRAGMA user_version=16; COMMIT;";
 /* clang-format on */
 
 static const struct {

@@ -35,6 +35,10 @@ static inline int vor_store_is_shared(const struct vor_store *store)
     return store->is_shared;
 }
 
+/** The small files of a store that is a file of this machine, as long as it is open; NULL of any
+ *  other. Before other threads know the store. */
+const struct vor_small_files *vor_store_small_files(struct vor_store *store);
+
 /** A random text that all daemons of the store know, and nobody else; "" where it has but one. */
 static inline const char *vor_store_secret(const struct vor_store *store)
 {

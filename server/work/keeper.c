@@ -34,7 +34,8 @@ int vor_keeper_file(struct vor_keeper *keeper)
     if (!settle(keeper, 0) || keeper->writer != NULL || vor_clock_seconds() < keeper->next)
         return -1;
     if (vor_blobs_room(keeper->blobs, 0, NULL) == VOR_OK &&
-        vor_blob_create(keeper->blobs, &keeper->writer, NULL) == VOR_OK)
+        vor_blob_create(keeper->blobs, &keeper->writer, NULL) == VOR_OK &&
+        vor_blob_expect(keeper->writer, UINT32_MAX, NULL) == VOR_OK)
         return vor_blob_fd(keeper->writer);
     keeper->next = vor_clock_seconds() + pause_seconds;
     return -1;

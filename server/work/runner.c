@@ -159,6 +159,16 @@ static int file_of(void *ctx)
 
 /* --- the order and its files ------------------------------------------------------------------ */
 
+/* Bytes of an output, as many a point as the inputs have; UINT32_MAX where nothing tells how many
+ * points. */
+static uint64_t likely_bytes(const struct vor_job_view *row)
+{
+    double in = fmax(1, (double)row->input[0].points);
+    double out = vor_spec_keeps_points(&row->spec) ? in : vor_spec_target(&row->spec, (uint64_t)in);
+
+    return (uint64_t)fmin(UINT32_MAX, out / in * (double)row->decoded);
+}
+
 static vor_status place_order(struct run *run, struct vor_error *err)
 {
     const struct vor_artefact_info *inputs = run->view.spec.process->inputs;
@@ -167,7 +177,7 @@ static vor_status place_order(struct run *run, struct vor_error *err)
     struct vor_order *order = &run->order;
     char blob[VOR_BLOB_NAME_MAX + 1];
     struct vor_error why;
-    uint64_t size;
+    uint64_t size, likely = likely_bytes(&run->view);
     int found;
     vor_status status = VOR_OK;
 
@@ -198,6 +208,7 @@ static vor_status place_order(struct run *run, struct vor_error *err)
         if (vor_output_in_row(&outputs[i]))
             continue;
         status = vor_blob_create(blobs, &run->writer[i], err);
+        VOR_THEN(status, vor_blob_expect(run->writer[i], likely, err));
         if (status == VOR_OK)
             order->output[i] = vor_blob_fd(run->writer[i]);
     }

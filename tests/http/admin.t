@@ -56,8 +56,7 @@ my @silent = map { $daemon->connect } 1 .. 100;
 is ask('GET', '/livez')->{status}, 200, 'it answers while the first one has more connections than it takes';
 my $answer = ask('GET', '/metrics');
 is $answer->{status}, 200, 'with its numbers';
-my $kept = 0;
-$kept += -s $_ for glob "$daemon->{dir}/data/blobs/keep/*";
+my $kept = `sqlite3 $daemon->{dir}/data/jobs.sqlite 'SELECT sum(length(data)) FROM small_file'` + 0;
 is $answer->{headers}{'content-type'}, 'text/plain; version=0.0.4; charset=utf-8', 'in the format that Prometheus reads';
 my $client = $ENV{VORONOID} // 'build/release/voronoid';
 is system("VORONOID_ADMIN_LISTEN=$admin VORONOID_LISTEN=$daemon->{address} $client health >$daemon->{dir}/health"), 0,

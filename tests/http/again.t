@@ -23,7 +23,7 @@ my @async = (Prefer => 'respond-async');
 sub id_of { return $_[0]{headers}{location} =~ m{/v1/jobs/([0-9a-f-]+)$} ? $1 : undef }
 sub replayed { return $_[0]{headers}{'idempotent-replayed'} // 'no' }
 sub keyed { my ($key, @more) = @_; return ('Idempotency-Key' => $key, @more) }
-sub files { my ($what) = @_; return glob "$daemon->{dir}/data/blobs/keep/*$what $daemon->{dir}/data/blobs/tmp/*" }
+sub files { my ($what) = @_; return grep { /\Q$what\E$/ } $daemon->blobs }
 sub jobs { return scalar @{ json($daemon->get('/v1/jobs?limit=10000'))->{jobs} } }
 
 # --- keys ----------------------------------------------------------------------------------------

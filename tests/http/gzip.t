@@ -126,7 +126,7 @@ is json($answer)->{limit}, 1048576, 'the limit is told';
 my $half = substr($noise, 0, 40_000) . "\0" x 3_200_000;
 refused(sent("/v1/resample?$query", packed($half)), 413, 'too-many-bytes', qr/inflates to more than 3145728 bytes$/,
     'one that keeps to the ratio and not to the limit of bodies');
-is scalar(() = glob "$daemon->{dir}/data/blobs/*/*"), 2 * (() = glob "$daemon->{dir}/data/blobs/keep/*.cloud"),
+is scalar(() = $daemon->blobs), 2 * (grep { /\.cloud$/ } $daemon->blobs),
     'nothing is left of what was refused';
 is scalar(grep { $_->{status} && $_->{status} =~ /^5/ } $daemon->log_lines), 0, 'nothing was our own fault';
 is $daemon->stop, 0, 'it ends with 0';

@@ -104,7 +104,7 @@ is $crowd->stop, 0, 'it ends with 0';
 sub files { return grep { -f } glob "$daemon->{dir}/data/blobs/* $daemon->{dir}/data/blobs/*/*" }
 my $before = files();
 my @sockets = map { $daemon->connect } 1 .. 10;
-$_->syswrite("${post}Content-Length: 100000\r\n\r\n" . 'x' x 1000) for @sockets;
+$_->syswrite("${post}Content-Length: 100000\r\n\r\n" . 'x' x 70_000) for @sockets;
 ok wait_until(sub { files() > $before }), 'an upload has a file';
 close $_ for @sockets;
 ok wait_until(sub { files() == $before }), 'that goes when its caller goes';

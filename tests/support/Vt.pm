@@ -121,6 +121,13 @@ sub documented_in {
     return $block ? $block->{text} : die "nothing that users are shown is $language";
 }
 
+# The names of the blobs that a daemon has, in files and in its store, and of what is being written.
+sub blobs {
+    my ($self) = @_;
+    my $small = `sqlite3 $self->{dir}/data/jobs.sqlite 'SELECT name FROM small_file'`;
+    return map { s{.*/}{}r } (glob "$self->{dir}/data/blobs/keep/* $self->{dir}/data/blobs/tmp/*"), split /\n/, $small;
+}
+
 sub log_text { return slurp($_[0]{log}) }
 
 # The lines. A thread of the daemon writes them a little after what they tell of: while it runs they are read once there is

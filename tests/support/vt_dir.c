@@ -101,6 +101,17 @@ struct vor_blobs *vt_dir_blobs(const char *path)
     return blobs;
 }
 
+struct vor_blobs *vt_dir_small_blobs(const char *path)
+{
+    static struct vor_store *store; /* that of the blobs before these, which are closed */
+    struct vor_blobs *blobs = vt_dir_blobs(path);
+
+    vor_store_close(store);
+    store = vt_dir_store_of(vor_store_driver_at(0), path);
+    vt_assert_ok(vor_blobs_keep_small(blobs, vor_store_small_files(store), &vt_err));
+    return blobs;
+}
+
 static void ignore(void *ctx VOR_UNUSED)
 {
 }

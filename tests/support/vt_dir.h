@@ -27,6 +27,7 @@ int vt_dir_count(const char *path, const char *name);
  *  The store is of the driver that $VT_STORE names, by its scheme, or of the first one; with
  *  $VT_LISTEN, a server without a pooler, it is shared, and listens there. */
 struct vor_blobs *vt_dir_blobs(const char *path);
+struct vor_blobs *vt_dir_small_blobs(const char *path); /**< small ones in a store of its own */
 struct vor_store *vt_dir_store(const char *path);
 
 /** The same with a driver of the table instead of the one that a daemon has by default. */

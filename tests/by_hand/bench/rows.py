@@ -122,13 +122,12 @@ submit(connection, "points=290&iterations=9999&delta=0")  # holds the only runne
 waits = submit(connection)
 daemon.process.kill()
 daemon.process.wait()
-blobs = os.path.join(data, "blobs")
-files = [os.path.join(folder, f) for folder, _, names in os.walk(blobs) for f in names if waits in os.path.join(folder, f)]
-for number, id in enumerate(fill(rows=rows * 99 // 100)):
-    for i, f in enumerate(files):
-        copy = os.path.join(os.path.dirname(f), id + os.path.basename(f)[len(id):])
-        shutil.copy(f, copy) if number % 30000 == 0 else os.link(f, copy)  # a file has 65,000 names at most
-        files[i] = copy
+ids = fill(rows=rows * 99 // 100)
+db = sqlite3.connect(os.path.join(data, "jobs.sqlite"))
+for name, bytes in db.execute("SELECT name, data FROM small_file WHERE name LIKE ?", (waits + ".%",)).fetchall():
+    db.executemany("INSERT INTO small_file VALUES (?, ?)", ((id + name[len(id):], bytes) for id in ids))
+db.commit()
+db.close()
 daemon = Daemon()
 say("| waiting | start of the daemon | %s |" % daemon.started)
 say("| waiting | memory of the daemon | %s |" % re.search(r"VmRSS:\s*(.*)", open("/proc/%d/status" % daemon.process.pid).read()).group(1))

@@ -9,7 +9,7 @@ use Faults;
 use Vt;
 
 my %option = options();
-my $cloud = sphere_ply(1000);
+my $cloud = sphere_ply(6000); # no small file
 for my $call ('fdatasync', 'fsync') { # rows, bytes
     my $daemon = Vt->start;
     my $done = $daemon->submit('points=50&iterations=2', $cloud);

@@ -9,7 +9,7 @@ use Vt;
 
 my %option = options();
 srand $option{seed};
-my $cloud = sphere_ply(1000);
+my $cloud = sphere_ply(6000); # no small file
 
 # Flips a bit of a file, at a share of its length.
 sub flip {
@@ -28,7 +28,7 @@ my $runs = $option{long} ? 20 : 2;
 my ($lost, $swept, $warned) = (0, 0, 0);
 for my $run (1 .. $runs) {
     my $daemon = Vt->start;
-    my @ids = map { $daemon->submit('points=50&iterations=2', $cloud) } 1 .. 12;
+    my @ids = map { $daemon->submit('points=6000&iterations=2', $cloud) } 1 .. 12;
     $daemon->finish($_) for @ids;
     $daemon->stop('KILL');
     unlink glob "$daemon->{dir}/data/jobs.sqlite*";
@@ -45,7 +45,7 @@ figure('F09', 'of these swept away', $swept, 0);
 figure('F09', 'of these in a warning with number and bytes', $warned, $lost);
 
 my $daemon = Vt->start(jobs => 1);
-my $done = $daemon->submit('points=400&iterations=2', $cloud);
+my $done = $daemon->submit('points=6000&iterations=2', $cloud);
 $daemon->finish($done);
 my $bytes = $daemon->get("/v1/jobs/$done/results/cloud")->{content};
 $daemon->stop;

@@ -96,16 +96,16 @@ for my $id (sort keys %accepted) {
     $wrong++ if sha256_hex($daemon->get("/v1/jobs/$id/results/cloud")->{content}) ne $want[$accepted{$id}];
 }
 sub strays {
-    my @found = glob "$dir/data/blobs/tmp/*";
-    for my $file (glob "$dir/data/blobs/keep/*") {
-        my ($id) = $file =~ m{/([0-9a-f-]{36})\.[^/]+$};
+    my @found;
+    for my $file ($daemon->blobs) {
+        my ($id) = $file =~ m{^([0-9a-f-]{36})\.[^/]+$};
         push @found, $file if !defined $id || $daemon->get("/v1/jobs/$id")->{status} == 404;
     }
     return @found;
 }
 my @strays;
 wait_until(sub { !(@strays = strays()) }, 20); # the sweeper looks behind the jobs
-print STDERR "$_, ", -s $_ // 'gone', "\n" for @strays;
+print STDERR "$_\n" for @strays;
 my $jobs = keys %accepted;
 figure('G01', "jobs lost, of $jobs accepted, $kills times kill -9", $lost, 0);
 figure('G01', 'results that differ from an uninterrupted run', $wrong, 0);
