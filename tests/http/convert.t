@@ -16,7 +16,7 @@ my $signature = "comment written by voronoid\n";
 
 sub job_of { return $_[0]{headers}{location} =~ m{(/v1/jobs/[^/]+)\z} ? $1 : die 'no Location' }
 sub report_of { return json($daemon->get(job_of($_[0]) . '/results/report')) }
-sub kept { return split /\n/, `find $daemon->{dir}/data -name '*-as-*'` }
+sub kept { return grep { /-as-/ } $daemon->blobs }
 
 # --- the process ----------------------------------------------------------------------------------
 
