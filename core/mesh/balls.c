@@ -94,6 +94,10 @@ void vor_balls_look(struct vor_balls *balls, uint32_t i, unsigned around)
 {
     float far2 = balls->far2[i];
 
+    if (balls->asked == around && balls->of == i)
+        return;
+    balls->of = i;
+    balls->asked = around;
     balls->around = balls->count[i];
     if (around == VOR_BALLS_FEW)
         memcpy(balls->index, &balls->list[(size_t)i * VOR_BALLS_FEW],

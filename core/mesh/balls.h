@@ -23,7 +23,8 @@ struct vor_balls {
     unsigned char *count;
     float *far2; /* n: all points within this squared distance are in the list */
     /* looked at: their offsets from the first, where there is a metric as it sees them */
-    unsigned around;
+    uint32_t of;            /* the first */
+    unsigned around, asked; /* how many there are, and how many were asked for; 0: none yet */
     uint32_t index[VOR_BALLS_MANY];
     double x[VOR_BALLS_MANY][3];
     double far2_around;
@@ -42,7 +43,7 @@ VOR_NODISCARD vor_status vor_balls_make(struct vor_balls *out, const struct vor_
 /** balls may be all zero. */
 void vor_balls_free(struct vor_balls *balls);
 
-/** Looks at the points around point i, few or many. O(1) for few. */
+/** Looks at the points around point i, few or many. O(1) for few, and for those looked at last. */
 void vor_balls_look(struct vor_balls *balls, uint32_t i, unsigned around);
 
 /** The offset of a point that is looked at, or NULL. */

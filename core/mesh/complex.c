@@ -173,15 +173,6 @@ vor_status vor_complex_split(struct vor_complex *complex, uint32_t a, uint32_t b
     return status;
 }
 
-void vor_complex_others(const struct vor_complex *complex, uint32_t t, uint32_t a,
-                        uint32_t other[2])
-{
-    const uint32_t *corner = &complex->triangle[3 * (size_t)t];
-
-    other[0] = corner[0] == a ? corner[1] : corner[0];
-    other[1] = corner[2] == a ? corner[1] : corner[2];
-}
-
 uint32_t vor_complex_across(const struct vor_complex *complex, uint32_t t, uint32_t a, uint32_t b)
 {
     for (unsigned at = 0; at < complex->degree[a]; at++) {

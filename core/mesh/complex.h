@@ -75,8 +75,14 @@ unsigned vor_complex_edge(const struct vor_complex *complex, uint32_t a, uint32_
                           uint32_t third[2]);
 
 /** The other two corners of triangle t, which has corner a. */
-void vor_complex_others(const struct vor_complex *complex, uint32_t t, uint32_t a,
-                        uint32_t other[2]);
+static inline void vor_complex_others(const struct vor_complex *complex, uint32_t t, uint32_t a,
+                                      uint32_t other[2])
+{
+    const uint32_t *corner = &complex->triangle[3 * (size_t)t];
+
+    other[0] = corner[0] == a ? corner[1] : corner[0];
+    other[1] = corner[2] == a ? corner[1] : corner[2];
+}
 
 /** The triangle other than t that has the edge from a to b; t itself where there is none. */
 uint32_t vor_complex_across(const struct vor_complex *complex, uint32_t t, uint32_t a, uint32_t b);

@@ -1,12 +1,13 @@
 #include "core/mesh/crossing.h"
 
 #include "core/base/linalg.h"
+#include "core/mesh/quality.h"
 
 #include <string.h>
 
 /* Points nearest to the middle of a triangle at which others are looked for. One that passes
  * through it has a corner within 1.2 edges of the middle; on each of three even sheets 8 points
- * reach 1.5 edges far. On shell60k 6, 24 and 48 find the same. */
+ * reach 1.5 edges far. On shell60k 6, 16, 24 and 48 find the same. */
 enum { AROUND = VOR_BALLS_MANY, BLOCK = 256 };
 
 /* What workers share. */
@@ -66,18 +67,45 @@ static int share(const uint32_t s[3], const uint32_t t[3], int common[2])
     return count;
 }
 
-/* Whether the corners b lie on both sides of the plane of the corners a. */
-static int straddles(const float *const a[3], const float *const b[3])
-{
-    double side[3], other[3], normal[3], to[3], low = 0, high = 0;
+/* Triangles that are kept in mind, by their last bits: each comes up at three corners. */
+enum { SLOTS = 256 };
 
-    vor_way(side, a[0], a[1]);
-    vor_way(other, a[0], a[2]);
-    vor_cross(normal, side, other);
+/* A triangle that others are compared with. */
+struct one {
+    const float *xyz; /* of all points */
+    const uint32_t *corner;
+    const float *x[3];
+    float low[3], high[3]; /* the box around it */
+    double normal[3];
+    uint32_t compared[SLOTS];
+};
+
+static void take(struct one *one, const float *xyz, const uint32_t corner[3])
+{
+    one->xyz = xyz;
+    one->corner = corner;
+    for (int c = 0; c < 3; c++)
+        one->x[c] = &xyz[3 * (size_t)corner[c]];
+    for (int c = 0; c < 3; c++) {
+        one->low[c] = one->high[c] = one->x[0][c];
+        for (int k = 1; k < 3; k++) {
+            one->low[c] = one->x[k][c] < one->low[c] ? one->x[k][c] : one->low[c];
+            one->high[c] = one->x[k][c] > one->high[c] ? one->x[k][c] : one->high[c];
+        }
+    }
+    vor_triangle_normal(one->normal, xyz, corner);
+    memset(one->compared, 0xff, sizeof one->compared);
+}
+
+/* Whether corners lie on both sides of a plane through a place. */
+static int straddle(const float *const corner[3], const float *place, const double normal[3])
+{
+    double to[3], low = 0, high = 0;
+
     for (int c = 0; c < 3; c++) {
         double up;
 
-        vor_way(to, a[0], b[c]);
+        vor_way(to, place, corner[c]);
         up = vor_dot(to, normal);
         low = up < low ? up : low;
         high = up > high ? up : high;
@@ -86,35 +114,31 @@ static int straddles(const float *const a[3], const float *const b[3])
 }
 
 /* Whether there is room between the boxes around two triangles. */
-static int are_apart(const float *const a[3], const float *const b[3])
+static int are_apart(const struct one *one, const float *const b[3])
 {
-    for (int c = 0; c < 3; c++) {
-        float low = a[0][c] < a[1][c] ? a[0][c] : a[1][c];
-        float high = a[0][c] < a[1][c] ? a[1][c] : a[0][c];
-
-        low = a[2][c] < low ? a[2][c] : low;
-        high = a[2][c] > high ? a[2][c] : high;
-        if ((b[0][c] < low && b[1][c] < low && b[2][c] < low) ||
-            (b[0][c] > high && b[1][c] > high && b[2][c] > high))
+    for (int c = 0; c < 3; c++)
+        if ((b[0][c] < one->low[c] && b[1][c] < one->low[c] && b[2][c] < one->low[c]) ||
+            (b[0][c] > one->high[c] && b[1][c] > one->high[c] && b[2][c] > one->high[c]))
             return 1;
-    }
     return 0;
 }
 
 /* Whether two triangles with at most so many common corners, one or none, pass through each other.
  * An edge from a common corner touches. */
-static int cross(const float *xyz, const uint32_t s[3], const uint32_t t[3], int most)
+static int cross(const struct one *one, const uint32_t t[3], int most)
 {
-    const float *a[3], *b[3];
+    const float *const *a = one->x;
+    const float *b[3];
+    double normal[3];
     int common[2];
 
-    if (share(s, t, common) > most)
+    for (int c = 0; c < 3; c++)
+        b[c] = &one->xyz[3 * (size_t)t[c]];
+    if (are_apart(one, b) || share(one->corner, t, common) > most ||
+        !straddle(b, a[0], one->normal))
         return 0;
-    for (int c = 0; c < 3; c++) {
-        a[c] = &xyz[3 * (size_t)s[c]];
-        b[c] = &xyz[3 * (size_t)t[c]];
-    }
-    if (are_apart(a, b) || !straddles(a, b) || !straddles(b, a))
+    vor_triangle_normal(normal, one->xyz, t);
+    if (!straddle(a, b[0], normal))
         return 0;
     for (int c = 0; c < 3; c++)
         if ((c != common[0] && (c + 1) % 3 != common[0] && passes(a[c], a[(c + 1) % 3], b)) ||
@@ -136,19 +160,23 @@ struct near {
 
 /* The first triangle found that passes through another and is not one of the first `since`; their
  * number where none is. */
-static size_t find(const struct vor_complex *complex, const float *xyz, const uint32_t corner[3],
-                   const struct near *near)
+static size_t find(const struct vor_complex *complex, struct one *one, const struct near *near)
 {
     for (unsigned i = 0; i < near->count; i++) {
         const uint32_t *around = &complex->around[(size_t)near->point[i] * VOR_AROUND_MOST];
 
-        if (near->seen2 > 0 &&
-            vor_distance2f(near->place, &xyz[3 * (size_t)near->point[i]]) < (double)near->seen2)
+        if (near->seen2 > 0 && vor_distance2f(near->place, &one->xyz[3 * (size_t)near->point[i]]) <
+                                   (double)near->seen2)
             continue;
-        for (unsigned k = 0; k < complex->degree[near->point[i]]; k++)
-            if (around[k] >= near->since &&
-                cross(xyz, corner, &complex->triangle[3 * (size_t)around[k]], near->common))
-                return around[k];
+        for (unsigned k = 0; k < complex->degree[near->point[i]]; k++) {
+            uint32_t t = around[k];
+
+            if (t < near->since || one->compared[t % SLOTS] == t)
+                continue;
+            if (cross(one, &complex->triangle[3 * (size_t)t], near->common))
+                return t;
+            one->compared[t % SLOTS] = t;
+        }
     }
     return complex->count;
 }
@@ -158,7 +186,9 @@ size_t vor_crossing_near(const struct vor_complex *complex, const struct vor_bal
 {
     const float *xyz = balls->sheet->seeds->xyz, *place = &xyz[3 * (size_t)corner[2]];
     size_t t = complex->count;
+    struct one one;
 
+    take(&one, xyz, corner);
     for (int c = 2; c >= 0 && t == complex->count; c--) {
         const struct near near = {&balls->list[(size_t)corner[c] * VOR_BALLS_FEW],
                                   balls->count[corner[c]],
@@ -167,7 +197,7 @@ size_t vor_crossing_near(const struct vor_complex *complex, const struct vor_bal
                                   c == 2 || balls->parts ? 0 : balls->far2[corner[2]],
                                   since};
 
-        t = find(complex, xyz, corner, &near);
+        t = find(complex, &one, &near);
     }
     return t;
 }
@@ -189,12 +219,15 @@ static size_t find_crossed(const struct crossing *crossing, size_t t)
     const uint32_t *corner = &complex->triangle[3 * t];
     uint32_t index[AROUND];
     float distance2[AROUND], middle[3] = {0, 0, 0};
+    const struct near near = {index, crossing->most, 0, xyz, 0, 0};
+    struct one one;
 
     for (int c = 0; c < 3; c++)
         for (int d = 0; d < 3; d++)
             middle[d] += xyz[3 * (size_t)corner[c] + (size_t)d] / 3;
     vor_knn_search(crossing->knn, middle, 1, crossing->most, index, distance2);
-    return find(complex, xyz, corner, &(const struct near){index, crossing->most, 0, xyz, 0, 0});
+    take(&one, xyz, corner);
+    return find(complex, &one, &near);
 }
 
 static void cross_row(void *ctx, size_t t, VOR_UNUSED unsigned worker)
