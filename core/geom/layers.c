@@ -34,6 +34,10 @@ enum {
 enum { LANES = 4 };
 typedef double lanes __attribute__((vector_size(8 * LANES)));
 
+/* Numbers that are compared at once. */
+enum { KEY_LANES = 16 };
+typedef int32_t keys __attribute__((vector_size(4 * KEY_LANES)));
+
 /* The points of a neighbourhood, in the frame of the layers. */
 struct stack {
     lanes low[VOR_NEIGHBORS_MAX], high[VOR_NEIGHBORS_MAX]; /* u, v, uu, uv; vv, w, 1, 0 */
@@ -102,8 +106,10 @@ VOR_CLONES static void sort(struct stack *stack)
     _Static_assert((VOR_NEIGHBORS_MAX & (VOR_NEIGHBORS_MAX - 1)) == 0, "bits of a point's number");
     int32_t key[VOR_NEIGHBORS_MAX], lower[VOR_NEIGHBORS_MAX];
     double *sorted = stack->sorted;
-    int32_t k = (int32_t)stack->k;
+    int32_t k = (int32_t)stack->k, whole = (k + KEY_LANES - 1) / KEY_LANES * KEY_LANES;
 
+    for (int32_t i = k; i < whole; i++)
+        key[i] = 0;
     for (int32_t i = 0; i < k; i++) {
         union {
             float height;
@@ -113,9 +119,14 @@ VOR_CLONES static void sort(struct stack *stack)
         key[i] = ((to.bits < 0 ? to.bits ^ INT32_MAX : to.bits) & -VOR_NEIGHBORS_MAX) | i;
         lower[i] = 0;
     }
-    for (int32_t j = 0; j < k; j++)
-        for (int32_t i = 0; i < k; i++)
-            lower[i] += key[j] < key[i];
+    for (int32_t from = 0; from < whole; from += KEY_LANES) {
+        keys own, count = {0};
+
+        memcpy(&own, &key[from], sizeof own);
+        for (int32_t j = 0; j < k; j++)
+            count -= key[j] < own;
+        memcpy(&lower[from], &count, sizeof count);
+    }
     for (int32_t i = 0; i < k; i++)
         sorted[lower[i]] = stack->height[i];
     for (int32_t i = 1; i < k; i++) {

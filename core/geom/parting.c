@@ -2,9 +2,6 @@
 
 #include "core/base/union.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 /* Times that groups may grow at a level. Points of shell60k in a wrong group, at 5 / 8 / 12: 646 /
  * 401 / 401; without levels 700. */
 enum { GROWTH = 8 };
@@ -23,26 +20,43 @@ struct parting {
     uint32_t *size;               /* nodes of it */
     size_t most;                  /* nodes that a group may have */
     struct parted *parted;
-    uint32_t count; /* of entries */
+    uint32_t count;         /* of entries */
+    struct vor_bond *spare; /* as many as bonds */
 };
 
-static int by_nodes(const void *a, const void *b)
-{
-    const struct vor_bond *x = a, *y = b;
+/* What bonds are sorted by. */
+enum by { FIRST, SECOND, STRENGTH, STRONGEST };
 
-    if (x->a != y->a)
-        return x->a < y->a ? -1 : 1;
-    if (x->b != y->b)
-        return x->b < y->b ? -1 : 1;
-    return (x->strength > y->strength) - (x->strength < y->strength);
+static uint32_t key_of(const struct vor_bond *bond, enum by by)
+{
+    union {
+        float strength;
+        uint32_t bits;
+    } to = {bond->strength};
+
+    if (by == STRENGTH)
+        return to.bits ^ (to.bits >> 31 ? UINT32_MAX : UINT32_C(1) << 31);
+    return by == FIRST ? bond->a : by == SECOND ? bond->b : ~(to.bits << 1);
 }
 
-static int stronger(const void *a, const void *b)
+/* Sorts bonds, and leaves those with equal keys in their order: by counting, eight bits at a time.
+ */
+static void sort(const struct parting *parting, struct vor_bond *bond, size_t count, enum by by)
 {
-    const struct vor_bond *x = a, *y = b;
-    float p = fabsf(x->strength), q = fabsf(y->strength);
+    struct vor_bond *from = bond, *to = parting->spare, *other;
 
-    return p != q ? (p > q ? -1 : 1) : by_nodes(a, b);
+    for (unsigned shift = 0; shift < 32; shift += 8, other = from, from = to, to = other) {
+        size_t at[256] = {0}, before = 0;
+
+        for (size_t e = 0; e < count; e++)
+            at[key_of(&from[e], by) >> shift & 255]++;
+        for (size_t k = 0; k < 256; k++) {
+            before += at[k];
+            at[k] = before - at[k];
+        }
+        for (size_t e = 0; e < count; e++)
+            to[at[key_of(&from[e], by) >> shift & 255]++] = from[e];
+    }
 }
 
 static uint32_t find(struct parting *parting, uint32_t i)
@@ -128,7 +142,9 @@ static size_t gather(struct parting *parting, struct vor_bond *bond, size_t coun
         if (a != b)
             bond[left++] = (struct vor_bond){a < b ? a : b, a < b ? b : a, bond[e].strength};
     }
-    qsort(bond, left, sizeof *bond, by_nodes);
+    sort(parting, bond, left, STRENGTH); /* sums are in one order */
+    sort(parting, bond, left, SECOND);
+    sort(parting, bond, left, FIRST);
     for (size_t e = 0; e < left; kept++) {
         struct vor_bond sum = bond[e++];
 
@@ -158,7 +174,7 @@ static vor_status part(struct parting *parting, size_t n, struct vor_bond *bond,
             parting->first[i] = NONE;
             parting->has[i] = 0;
         }
-        qsort(bond, count, sizeof *bond, stronger);
+        sort(parting, bond, count, STRONGEST); /* they came by their nodes */
         for (size_t e = 0; e < count; e++)
             take(parting, &bond[e]);
         status = vor_run_answered(vor_run_poll(run), err);
@@ -183,11 +199,14 @@ vor_status vor_parting_make(uint32_t *group, size_t n, struct vor_bond *bond, si
     parting.has = vor_malloc(memory, n, sizeof *parting.has);
     parting.size = vor_malloc(memory, n, sizeof *parting.size);
     parting.parted = vor_malloc(memory, parts, 2 * sizeof *parting.parted);
-    if (parting.first == NULL || parting.last == NULL || parting.has == NULL ||
-        parting.size == NULL || parting.parted == NULL || parts >= UINT32_MAX / 2)
+    parting.spare = vor_malloc(memory, count, sizeof *parting.spare);
+    if (parting.spare == NULL || parting.first == NULL || parting.last == NULL ||
+        parting.has == NULL || parting.size == NULL || parting.parted == NULL ||
+        parts >= UINT32_MAX / 2)
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     else
         status = part(&parting, n, bond, count, run, err);
-    VOR_FREE_ALL(memory, parting.parted, parting.size, parting.has, parting.last, parting.first);
+    VOR_FREE_ALL(memory, parting.spare, parting.parted, parting.size, parting.has, parting.last,
+                 parting.first);
     return status;
 }

@@ -23,11 +23,11 @@ struct vor_bond {
  *  @param[out]    group  n: the same for all nodes of a group: the number of its first one
  *  @param[in,out] bond   count pairs; lost. The groups do not depend on their order
  *
- *  @retval VOR_E_NOMEM 16 bytes a node and 16 a pair that parts do not fit, or such pairs are 2^31
- *                      or more
+ *  @retval VOR_E_NOMEM 16 bytes a node, 12 a pair and 16 one that parts do not fit, or such pairs
+ *                      are 2^31 or more
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for, asked after each level
  *
- *  O(count log^2 count) and, for each pair that is asked about, the groups parted from the one of
+ *  O(count log count) and, for each pair that is asked about, the groups parted from the one of
  *  its two that fewer were parted from: O(count^1.5) at worst. One thread. */
 VOR_NODISCARD vor_status vor_parting_make(uint32_t *group, size_t n, struct vor_bond *bond,
                                           size_t count, const struct vor_run *run,

@@ -110,6 +110,24 @@ VOR_INLINE void sum_mixed(lanes out[APART], const struct work *work, const float
     memcpy(out, sum, sizeof sum);
 }
 
+/* The same for the terms of h among themselves: half of them, as a side is 1 or -1 and changes a
+ * product of two terms by no rounding. */
+VOR_INLINE void sum_apart(struct work *work)
+{
+    lanes sum[APART][APART] = {{{0}}};
+
+    for (unsigned i = 0; i < work->n; i++)
+        for (int k = 0; k < APART; k++) {
+            lanes one = work->side[i] * work->term[k][i];
+
+            for (int m = k; m < APART; m++)
+                sum[k][m] += one * work->term[m][i];
+        }
+    for (int k = 0; k < APART; k++)
+        for (int m = k; m < APART; m++)
+            work->mixed[k][m] = work->mixed[m][k] = sum[k][m];
+}
+
 /* Solves for h by LDL^T what is left of q and h when q is eliminated. */
 VOR_INLINE void solve(struct work *work)
 {
@@ -144,7 +162,8 @@ VOR_INLINE void solve(struct work *work)
 /* Fits both sheets to the points by their sides. */
 VOR_CLONES static void fit(struct work *work)
 {
-    for (int k = 0; k < COMMON; k++)
+    sum_apart(work);
+    for (int k = APART; k < COMMON; k++)
         sum_mixed(work->mixed[k], work, work->term[k]);
     sum_mixed(work->half, work, work->left);
     solve(work);
