@@ -5,6 +5,9 @@
 #include "core/mesh/crowded.h"
 #include "core/mesh/front.h"
 
+/* Times that loops are closed after the front: pruning points of several fans opens some again. */
+enum { ROUNDS = 3 };
+
 struct joining {
     struct vor_complex *complex;
     struct vor_balls balls;
@@ -50,10 +53,12 @@ vor_status vor_join(struct vor_complex *complex, struct vor_sheet *sheet, int ti
     joining.overs.balls = &joining.balls;
     for (int front = 0; front < times && status == VOR_OK; front++) {
         status = vor_run_call(run, advance, &joining, err);
-        /* Pruning points of several fans opens some again. */
-        for (size_t before = 0; complex->count > before && status == VOR_OK;) {
-            before = complex->count;
+        for (int round = 0; round < ROUNDS && status == VOR_OK; round++) {
+            size_t before = complex->count;
+
             status = vor_run_call(run, close_loops, &joining, err);
+            if (complex->count == before)
+                break;
         }
     }
     VOR_THEN(status, vor_run_call(run, carve, &joining, err));

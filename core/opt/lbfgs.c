@@ -80,8 +80,8 @@ static void find_direction(struct vor_lbfgs *lbfgs, const double *bend)
 {
     size_t n = lbfgs->length;
     double *d = lbfgs->direction;
-    double share[VOR_LBFGS_STEPS] = {
-        0}; /* cppcheck cannot see that the first loop sets those used */
+    /* cppcheck cannot see that the first loop sets those used */
+    double share[VOR_LBFGS_STEPS] = {0};
 
     for (size_t i = 0; i < n; i++)
         d[i] = -lbfgs->gradient[i];

@@ -119,22 +119,12 @@ enum { SCHEMA_VERSION = 7 };
 static const char first[] =
     FUNCTIONS BESIDE JOB VOR_SQL_TABLES_BESIDE("bigint PRIMARY KEY") INDEXES_AND_TRIGGERS "INSERT INTO voronoid_schema (version) VALUES (7);";
 
-/* Before, all jobs were in one table. */
-static const char from_5[] =
-    "ALTER TABLE job RENAME TO job_before;" JOB
-    "INSERT INTO job (seq, " VOR_SQL_JOB ") SELECT seq, " VOR_SQL_JOB " FROM job_before ORDER BY seq;"
-    "SELECT setval(pg_get_serial_sequence('job', 'seq'),"
-    " nextval(pg_get_serial_sequence('job_before', 'seq')), false);"
-    "DROP TABLE job_before;" INDEXES_AND_TRIGGERS
-    "INSERT INTO idempotency SELECT principal, idem_key, seq FROM job WHERE idem_key IS NOT NULL;"
-    "UPDATE voronoid_schema SET version = 7;";
-
 /* clang-format on */
 
 static const struct {
     int64_t from;
     const char *sql;
-} steps[] = {{5, from_5}};
+} steps[] = {{0, first}};
 
 static vor_status read_version(struct vor_store *store, int64_t *version, struct vor_error *err)
 {
@@ -158,9 +148,8 @@ vor_status vor_postgres_prepare_schema(struct vor_store *store, struct vor_error
             err, VOR_E_IO,
             "the job store: the table \"job\" of this database belongs to another program; "
             "choose an empty schema or database");
-    if (status == VOR_OK && found == 0)
-        made = vor_sql_run(store, first, &failure);
-    VOR_THEN(status, read_version(store, &version, err));
+    if (found > 0)
+        VOR_THEN(status, read_version(store, &version, err));
     for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == VOR_OK; i++) {
         if (version != steps[i].from)
             continue;
