@@ -8,6 +8,7 @@
 #include "core/seeds/checkpoint.h"
 #include "core/seeds/forces.h"
 #include "core/seeds/former.h"
+#include "core/seeds/gaps.h"
 #include "core/seeds/leash.h"
 #include "core/seeds/stage.h"
 #include "core/seeds/uniformity.h"
@@ -22,14 +23,14 @@ enum {
     /* From this S on the force extends to VOR_HARD_REACH. At 5 / 7 / 14 only searches change: on
      * autzen 191 / 198 / 214 thousand. */
     HARDER = VOR_REPEL_HARD / 2,
-    /* Steps from one look for holes to the next, for even distances. At 1 / 3 / 6: CPU of autzen
+    /* Steps from one look for gaps to the next, for even distances. At 1 / 3 / 6: CPU of autzen
      * 2.0 / 1.7 / 1.3 s, searches 245 / 198 / 185 thousand, delta the same. */
     CELLS_EVEN = 3,
-    /* The same around a point with no hole near, where steps are short, and for triangles. At 3 / 6
+    /* The same around a point with no gap near, where steps are short, and for triangles. At 3 / 6
      * / 12 only triangles change: on autzen 9.8 / 10.6 / 10.9 a cell. A multiple of those of an
      * aim. */
     QUIET_SHORT = 2 * CELLS_EVEN,
-    /* The same around a point with no hole near, for even distances. At 6 / 12: CPU of igea to
+    /* The same around a point with no gap near, for even distances. At 6 / 12: CPU of igea to
      * 20,000 1.97 / 1.90 s; gap of the sphere 0.705 / 0.720 (spread 0.02), of igea the same, delta
      * and six too. Before the last FRESH also from one look to the next at whether input is near a
      * point that it surrounds. At 3 / 12, igea's vertices to 20,000, 4 seeds: delta 0.0164 / 0.0167
@@ -58,20 +59,11 @@ enum {
  * own spacing. Where that grows by the usual 0.2 of the way, one 1.5 spacings away has a spacing
  * larger by less than that. */
 #define GROWTH 1.25
-/* Pitches from the middle of a hole to the points around it: a hole is larger. In a lattice it is
- * 0.577. At 0.6 / 0.65 / 0.7: igea 0.0216 / 0.0176 / 0.0172, fandisk 0.0235 / 0.0197 / 0.0192;
- * above, holes stay: largest gap on igea 0.706 spacings at 0.65, 0.732 at 0.7 (one seed). */
-#define HOLE 0.65
-/* The pull of paces that stay the same: share of the excess that one step goes. At 0.075 / 0.15 /
- * 0.3: igea 0.0172 / 0.0176 / 0.0185, fandisk 0.0188 / 0.0197 / 0.0218. */
-#define HOLE_PULL 0.15
-/* Pitches beyond HOLE that count at most. Half and double move no figure beyond the spread. */
-#define HOLE_EXCESS HOLE_PULL
 
 struct aim {
     unsigned hard;     /* S at the last step */
-    unsigned cells;    /* steps from one look for holes to the next */
-    unsigned quiet;    /* the same around a point with no hole near: a multiple */
+    unsigned cells;    /* steps from one look for gaps to the next */
+    unsigned quiet;    /* the same around a point with no gap near: a multiple */
     double gain;       /* step over the sum of forces, times 2 S; 0: vor_repel_pace_at */
     double momentum;   /* share of the last step that is added to the next */
     double soft_reach; /* spacings that soft repulsion extends to */
@@ -109,17 +101,14 @@ struct polish {
     float *at;            /* n x 4, as forces.h has it */
     float *next;          /* n x 3 */
     float *step;          /* n x 3: the last one of each point */
-    float *pull;          /* n x 3: towards the hole next to each point */
-    unsigned char *quiet; /* n: no hole was near */
     double h;             /* mean spacing */
-    double pitch;         /* of the hexagonal lattice of as many points on the same area */
+    struct vor_gaps gaps; /* between points */
     struct vor_repel_pace pace;
     struct vor_leash leash;
     struct vor_recall recall; /* of last fits */
     struct vor_forces forces; /* of the step, if lists hold the points around a seed */
-    int cells;                /* holes are looked for in this step */
+    int looks;                /* gaps next to a point inside are looked for in each step */
     int covers;               /* this step leads to the centroids of cells */
-    double hole;              /* pitches from the middle of a hole to the points around it */
 };
 
 /* The spacing that seed i is to have, when the mean is h: with a density, h is the mean of what an
@@ -127,32 +116,6 @@ struct polish {
 static double spacing_of(const struct polish *polish, size_t i)
 {
     return polish->h * vor_wanted_at(&polish->seeds->wanted, i);
-}
-
-/* Sets the pull of the hole next to seed i, and whether no hole is near. */
-static void find_hole(struct polish *polish, const struct vor_scratch *scratch, size_t i)
-{
-    const struct vor_surface *surface = &scratch->here.surface;
-    const struct vor_stretch *stretch =
-        vor_stretched_are(&polish->seeds->stretched) ? &scratch->stretch : NULL;
-    double far2;
-    const double *corner = vor_stretch_farthest(&scratch->cell, stretch, &far2);
-    double pitch = polish->pitch * vor_wanted_at(&polish->seeds->wanted, i);
-    double far, excess;
-
-    memset(&polish->pull[3 * i], 0, 3 * sizeof *polish->pull);
-    if (corner == NULL)
-        return;
-    far = sqrt(far2);
-    polish->quiet[i] = far < polish->hole * pitch;
-    excess = fmin(far - polish->hole * pitch, HOLE_EXCESS * pitch);
-    if (!(excess > 0))
-        return;
-    for (int c = 0; c < 3; c++)
-        polish->pull[3 * i + (size_t)c] =
-            (float)(polish->pace.pull * excess / far *
-                    (corner[0] * surface->axis[0][c] + corner[1] * surface->axis[1][c] +
-                     corner[2] * surface->axis[2][c]));
 }
 
 /* The vector that seed i moves along to get away from seed j, which is `distance` away. Where they
@@ -313,7 +276,7 @@ static void step_to(struct polish *polish, size_t i, double y[3])
 static void add_pull(const struct polish *polish, size_t i, double v[3])
 {
     for (size_t c = 0; c < 3; c++)
-        v[c] += (double)polish->pull[3 * i + c] +
+        v[c] += (double)polish->gaps.pull[3 * i + c] +
                 polish->pace.momentum * (double)polish->step[3 * i + c];
 }
 
@@ -356,13 +319,19 @@ static void glide(struct polish *polish, struct vor_glide *far)
     far->count = 0;
 }
 
-/* Whether a hole next to seed i is looked for. */
+/* Whether a gap next to seed i is looked for. */
 static int is_asked(const struct polish *polish, size_t i)
 {
-    return polish->cells && !(polish->quiet[i] && polish->stage.record.step % polish->aim->quiet);
+    unsigned each = polish->aim->cells;
+
+    if (polish->gaps.quiet[i])
+        each = polish->aim->quiet;
+    else if (polish->looks && polish->seeds->last_fit[i].interior)
+        each = 1;
+    return polish->covers || polish->stage.record.step % each == 0;
 }
 
-/* Mostly the last fit serves, the list has all that is near, and no hole is looked for. */
+/* Mostly the last fit serves, the list has all that is near, and no gap is looked for. */
 static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct polish *polish = ctx;
@@ -398,7 +367,7 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
         if (cell) {
             vor_seeds_crowd(seeds, scratch, i);
             vor_seeds_clip(seeds, scratch, i, 0);
-            find_hole(polish, scratch, i);
+            vor_gaps_find(&polish->gaps, seeds, scratch, i);
         } else if (!summed)
             vor_seeds_within(seeds, scratch, i, crowd_reach(polish, i));
         vor_stretched_distances(&scratch->crowd, &seeds->stretched, seeds->xyz, i);
@@ -478,15 +447,16 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
     if (aim->gain > 0) {
         polish->pace.gain = aim->gain;
         polish->pace.momentum = aim->momentum;
-        polish->pace.pull = HOLE_PULL;
+        polish->pace.pull = VOR_GAP_PULL;
     }
-    polish->cells = done % aim->cells == 0;
+    polish->looks = aim == &even_distances && 5 * done >= 3 * steps;
     polish->covers = is_cover && 2 * done >= steps;
-    polish->hole = HOLE;
-    if (polish->covers) {
-        polish->hole = HOLE / 2 + 0.25 / VOR_HEXAGON_HEIGHT; /* half as far above a lattice's */
-        polish->cells = stage->keep_last = 1;
-        memset(polish->quiet, 0, seeds->n);
+    polish->gaps.wide = VOR_GAP_WIDE;
+    polish->gaps.share = polish->pace.pull;
+    if (polish->covers) { /* half as far above a lattice's */
+        polish->gaps.wide = VOR_GAP_WIDE / 2 + 0.25 / VOR_HEXAGON_HEIGHT;
+        stage->keep_last = 1;
+        memset(polish->gaps.quiet, 0, seeds->n);
     }
     polish->recall.slack = is_fresh ? SLACK_FRESH : VOR_SEEDS_SLACK;
     polish->recall.lazy =
@@ -528,8 +498,9 @@ static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int *
                                    : by_short    ? &short_steps
                                                  : &even_distances,
                             .recall = {.keep_holes = *keep_holes},
-                            .pitch = sqrt(area / (VOR_HEXAGON_HEIGHT * cells))};
+                            .gaps = {.pitch = sqrt(area / (VOR_HEXAGON_HEIGHT * cells))}};
     struct vor_memory *memory = seeds->run.memory;
+    int reached; /* what the request asked for, which nothing may spoil */
     vor_status status;
 
     if (vor_spec_polish(spec) == 0 || told->stopped == VOR_STOPPED_CALLER)
@@ -554,24 +525,28 @@ static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int *
     polish.at = vor_malloc(memory, seeds->n, 4 * sizeof *polish.at);
     polish.next = vor_malloc(memory, seeds->n, row);
     polish.step = vor_calloc(memory, seeds->n, row);
-    polish.pull = vor_calloc(memory, seeds->n, row);
-    polish.quiet = vor_calloc(memory, seeds->n, 1);
-    if (polish.at == NULL || polish.next == NULL || polish.step == NULL || polish.pull == NULL ||
-        polish.quiet == NULL)
+    polish.gaps.pull = vor_calloc(memory, seeds->n, row);
+    polish.gaps.quiet = vor_calloc(memory, seeds->n, 1);
+    if (polish.at == NULL || polish.next == NULL || polish.step == NULL ||
+        polish.gaps.pull == NULL || polish.gaps.quiet == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     else
         status = vor_stage_of_seeds(&polish.stage, seeds, err);
     VOR_THEN(status, vor_leash_make(&polish.leash, seeds, err));
     polish.stage.part[0] = (struct vor_part){polish.step, seeds->n * row};
-    polish.stage.part[1] = (struct vor_part){polish.pull, seeds->n * row};
-    polish.stage.part[2] = (struct vor_part){polish.quiet, seeds->n};
+    polish.stage.part[1] = (struct vor_part){polish.gaps.pull, seeds->n * row};
+    polish.stage.part[2] = (struct vor_part){polish.gaps.quiet, seeds->n};
     polish.stage.part[3] = (struct vor_part){&polish.recall, sizeof polish.recall};
     polish.stage.part[4] = (struct vor_part){polish.leash.at, polish.leash.size};
     VOR_THEN(status, vor_stage_run(&polish.stage, err));
+    reached = told->stopped == VOR_STOPPED_DELTA || told->stopped == VOR_STOPPED_ETA;
+    if (status == VOR_OK && polish.aim == &even_distances && !polish.covers && !reached &&
+        told->steps[VOR_RUN_STAGE_POLISH] > 0 && !vor_run_is_late(&seeds->run))
+        status = vor_gaps_narrow(&polish.gaps, seeds, polish.next, &polish.recall, err);
     told->refined = polish.recall.refine;
     *keep_holes = polish.recall.keep_holes;
     vor_leash_free(&polish.leash, memory);
-    VOR_FREE_ALL(memory, polish.quiet, polish.pull, polish.step, polish.next, polish.at);
+    VOR_FREE_ALL(memory, polish.gaps.quiet, polish.gaps.pull, polish.step, polish.next, polish.at);
     vor_stage_free(&polish.stage);
     return status;
 }

@@ -9,11 +9,11 @@
  *  by short ones evens the distances out. Where the input has sheets, or nothing holds points at
  * its border, all steps are short. Where the process joins the points by triangles, and the input
  * has no sheets and there is no metric, S rises to 8, and steps stay long, so that more points have
- * six neighbours; distances are less even. Repulsion alone opens holes where regions meet. So every
+ * six neighbours; distances are less even. Repulsion alone opens gaps where regions meet. So every
  * few steps the farthest corner of each point's Voronoi cell is found; where that is farther away
  * than in a lattice, the point is pulled towards it. With evenness=cover, points move towards the
  *  centroids of their cells in the second half of the steps, instead of away from each other, and
- *  smaller holes pull; the last positions are kept. That is Lloyd's iteration, from a start with
+ *  smaller gaps pull; the last positions are kept. That is Lloyd's iteration, from a start with
  *  large regions of one orientation: fewer places are far from all points than after either alone
  *  (sphere of 200,000 random points to 5,072, farther than 0.64 spacings: 712 by spacing, 4 by
  *  cover; largest gap 0.73 and 0.65 spacings, eta 0.95 and 0.68 %, delta 0.016 and 0.041). Points
@@ -26,17 +26,20 @@
  *  place, and for the force of two points the larger of both; how even the points are is measured
  *  likewise (seeds/wanted.h).
  *
- *  With a metric (input/anisotropy.h) distances, steps and holes are measured in it: forces still
+ *  With a metric (input/anisotropy.h) distances, steps and gaps are measured in it: forces still
  * act along the offset of two points, which is what evens them out in the metric.
  *
- *  Holes are looked for every third step, every twelfth step around a point with no hole near it,
- * or every sixth where all steps are short, and for triangles. Away from the border a surface is
- * used again until its seed has moved half a spacing of the input, a tenth in the last 16 steps.
- * In two steps of three it also is, so far, where the input surrounds the seed but no point of
- * it is near, as happens all over a cloud of white noise. Not for triangles, whose shortest edges
- * it makes shorter (bunny to 500, 12 seeds: least over mean distance 0.45 / 0.39, spread 0.05), and
- * not where all steps are short (two sheets half a spacing apart, rms distance to them 0.0012 /
- * 0.0018 spacings). */
+ *  Gaps (seeds/gaps.h) are looked for every third step, every twelfth step around a point with no
+ *  gap near it, or every sixth where all steps are short, and for triangles. In the last two
+ *  fifths of the steps those with a gap near look in each step, as pulls of a place where a gap no
+ *  longer is leave some as wide as they are; after them, what is still wide is narrowed once.
+ *  Neither where all steps are short, nor for triangles, nor with evenness=cover. Away from the
+ * border a surface is used again until its seed has moved half a spacing of the input, a tenth in
+ * the last 16 steps. In two steps of three it also is, so far, where the input surrounds the seed
+ * but no point of it is near, as happens all over a cloud of white noise. Not for triangles, whose
+ * shortest edges it makes shorter (bunny to 500, 12 seeds: least over mean distance 0.45 / 0.39,
+ * spread 0.05), and not where all steps are short (two sheets half a spacing apart, rms distance to
+ * them 0.0012 / 0.0018 spacings). */
 #ifndef VOR_SEEDS_REPEL_H
 #define VOR_SEEDS_REPEL_H
 
@@ -73,7 +76,7 @@ struct vor_repel_pace {
     unsigned power;  /**< S */
     double gain;     /**< step over the sum of forces, times 2 S */
     double momentum; /**< share of the last step that is added to the next */
-    double pull;     /**< share of a hole's excess that a point is pulled by */
+    double pull;     /**< share of the excess of a gap that a point is pulled by */
 };
 
 /** The pace of step `done` of `steps`: S rises to `hard`; long steps let grains of one orientation
@@ -109,9 +112,10 @@ static inline float vor_repel_most(const struct vor_spec *spec, unsigned power)
 
 /** What follows a method: attaches the seeds to the input, evens them out, and attaches them to the
  *  whole of it (seeds/attach.h). seeds->xyz ends as the most even positions of all, those before
- *  the first step included; with evenness=cover as the last ones, if that half is reached. The
- * steps end at the number that the request allows, at its delta or seconds, or when the watch says
- * so. None is made where the request allows none or the caller stopped the run.
+ *  the first step included, with wide gaps narrowed unless delta or eta has ended the steps; with
+ *  evenness=cover as the last ones, if that half is reached. The steps end at the number that the
+ * request allows, at its delta or seconds, or when the watch says so. None is made where the
+ * request allows none or the caller stopped the run.
  *
  *  @param[in,out] told  what the method did so far; this stage is added, stopped may change
  *  @param[in]     spec  read: polish, evenness, delta, seconds
