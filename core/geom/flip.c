@@ -7,14 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    BLOCK = 1024, /* points of one task */
-    /* Regions grow by the nearest of a point's neighbours, one in so many: the farthest lie across
-     * a rim, and some of these agree by chance. A bore of 183 points that faces inward, of the
-     * edges across its rim that agree and lie between points without doubt: 15 by all, 0 by these.
-     */
-    REACH = 3
-};
+enum { BLOCK = 1024 }; /* points of one task */
 
 /* What the edges between two regions say of their signs: above 0 that they agree. */
 struct bond {
@@ -78,7 +71,7 @@ static void join_sure(struct flip *flip)
     for (size_t i = 0; i < graph->n; i++)
         flip->at[i] = (uint32_t)i;
     for (size_t i = 0; i < graph->n; i++)
-        for (unsigned a = 0; a < graph->count[i] / REACH && !flip->between[i]; a++) {
+        for (unsigned a = 0; a < graph->count[i] / VOR_FLIP_REACH && !flip->between[i]; a++) {
             uint32_t j = graph->list[i * graph->most + a];
 
             if (!flip->between[j] && vote_of(flip, i, a) > 0)

@@ -2,6 +2,8 @@
 
 #include "core/base/linalg.h"
 #include "core/geom/flip.h"
+#include "core/geom/hinge.h"
+#include "core/input/adjacency.h"
 
 #include <math.h>
 #include <string.h>
@@ -135,7 +137,7 @@ struct anew {
 };
 
 /* What signs spread once more are by. */
-enum by { BY_VOTES, BY_ROUGH_LAST, BY_PLANES };
+enum by { BY_VOTES, BY_ROUGH_LAST, BY_PLANES, BY_HINGES };
 
 /* Every point whose neighbours mostly say so changes its side, in the order of the points. */
 static void outvote(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
@@ -212,12 +214,14 @@ static int is_closed(const struct vor_winding_found *found)
  * quarter; and by planes, if both leave it open, where the numbers jump less by a quarter over the
  * edges whose ends have other signs than before, and these are no more than a seam. Of sheets with
  * three to six folds of 50 degrees they jump by 0.10 to 0.15 by the mirror, 0.04 to 0.07 by
- * planes. */
+ * planes. By hinges where it is open, or they close it better. */
 static int takes(enum by by, const struct vor_winding_found *was,
                  const struct vor_winding_found *now)
 {
     if (by == BY_VOTES)
         return is_closed(was) && now->stray <= was->stray;
+    if (by == BY_HINGES)
+        return !is_closed(was) || (is_closed(now) && now->stray < was->stray);
     if (by == BY_PLANES && !is_closed(was) && !is_closed(now))
         return now->seam <= VOR_SEAM && 4 * now->jump < 3 * was->jump;
     return is_closed(now) && 4 * now->stray < 3 * was->stray;
@@ -358,10 +362,42 @@ static vor_status try_planes(struct vor_propagation *propagation, const struct v
     return status;
 }
 
+/* Finds signs of faces that meet at creases, and takes those that are better. */
+static vor_status try_hinges(struct vor_propagation *propagation, const struct vor_run *run,
+                             struct vor_error *err)
+{
+    struct vor_span *span = &propagation->span;
+    const struct vor_hinge on = {.span = span,
+                                 .graph = propagation->back.graph,
+                                 .points = &propagation->points,
+                                 .knn = propagation->back.on->knn,
+                                 .bend = 1 - VOR_NORMALS_ALIKE,
+                                 .seen = OUTVOTE,
+                                 .agree = VOR_AGREE};
+    struct anew anew = {.propagation = propagation, .span = *span};
+    struct vor_winding_found *found = NULL;
+    vor_status status;
+
+    anew.span.odd = NULL;
+    status = VOR_MAKE_ALL(run->memory, err, span->n, VOR_ARRAY(found, span->components, 1),
+                          VOR_ARRAY(anew.found, span->components, 1),
+                          VOR_ARRAY(anew.span.odd, span->n, 1));
+    VOR_THEN(status, vor_hinge_find(anew.span.odd, &on, run, err));
+    if (status == VOR_OK && memcmp(anew.span.odd, span->odd, span->n) != 0) {
+        status = vor_winding_find(found, span, &propagation->points, run, err);
+        VOR_THEN(status, vor_winding_find(anew.found, &anew.span, &propagation->points, run, err));
+        if (status == VOR_OK)
+            take(span, found, &anew, BY_HINGES);
+    }
+    VOR_FREE_ALL(run->memory, anew.span.odd, anew.found, found);
+    return status;
+}
+
 vor_status vor_propagate(struct vor_propagation *propagation, const struct vor_run *run,
                          struct vor_error *err)
 {
     size_t n = propagation->back.on->n;
+    int contradicted;
     vor_status status =
         VOR_MAKE_ALL(run->memory, err, n, VOR_ZEROED(propagation->planes, n, 1),
                      VOR_ARRAY(propagation->edge, n, propagation->back.graph->most));
@@ -369,8 +405,11 @@ vor_status vor_propagate(struct vor_propagation *propagation, const struct vor_r
     VOR_THEN(status, vor_back_edges(&propagation->back, propagation->edge, run, err));
     VOR_THEN(status, spread(propagation, 0, run, err));
     VOR_THEN(status, vor_run_for(run, n, BLOCK, contradict_block, propagation, err));
-    if (status == VOR_OK && memchr(propagation->planes, 1, n) != NULL)
+    contradicted = status == VOR_OK && memchr(propagation->planes, 1, n) != NULL;
+    if (contradicted)
         status = try_planes(propagation, run, err);
+    if (contradicted)
+        VOR_THEN(status, try_hinges(propagation, run, err));
     return status;
 }
 

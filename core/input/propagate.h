@@ -10,7 +10,10 @@
  *  right at any crease and any distance, but wrong where normals near a crease are those of
  *  neither face. A component takes these signs where winding numbers say that they close it
  *  better by a quarter, or, where it is open, that they differ less by as much between the ends of
- *  the edges that the two have on different sides. */
+ *  the edges that the two have on different sides.
+ *
+ *  Departure: where planes contradict any edge, faces are turned then by what one sees of the other
+ *  (geom/hinge.h), in components that are open or close better so. */
 #ifndef VOR_INPUT_PROPAGATE_H
 #define VOR_INPUT_PROPAGATE_H
 
