@@ -102,6 +102,7 @@ static void count_less(struct vor_blobs *blobs, uint64_t size)
 struct small {
     uint64_t size;
     int found, fd;
+    int number; /* errno, if there is no copy */
 };
 
 static void take_small(void *ctx, const void *bytes, size_t size)
@@ -112,7 +113,9 @@ static void take_small(void *ctx, const void *bytes, size_t size)
     small->size = size;
     if (bytes != NULL)
         small->fd = memfd_create("small", MFD_CLOEXEC);
+    small->number = errno;
     if (small->fd >= 0 && pwrite(small->fd, bytes, size, 0) != (ssize_t)size) {
+        small->number = errno;
         close(small->fd);
         small->fd = -1;
     }
@@ -332,10 +335,16 @@ static vor_status keep_small(struct vor_blob_writer *base, const char *file, uin
 {
     const struct vor_small_files *small = base->blobs->small;
     char bytes[VOR_SMALL_FILE_MAX];
+    const struct vor_blob_patience *patience = &base->patience;
     vor_status status = vor_piece_read(base->fd, 0, bytes, (size_t)base->size, err);
 
-    return status == VOR_OK ? small->put(small->ctx, file, bytes, (size_t)base->size, was, err)
-                            : status;
+    if (status != VOR_OK)
+        return status;
+    do
+        status = small->put(small->ctx, file, bytes, (size_t)base->size, was, err);
+    while (status != VOR_OK && vor_error_storage_full(err) && patience->may_wait != NULL &&
+           patience->may_wait(patience->ctx, err));
+    return status;
 }
 
 /* What it takes the place of may stand elsewhere. A file goes before a small one of its name. */
@@ -381,7 +390,7 @@ static vor_status get_small(struct vor_blobs *blobs, const char *file, int *fd, 
     if (blobs->small != NULL)
         status = blobs->small->get(blobs->small->ctx, file, fd == NULL, take_small, &small, err);
     if (status == VOR_OK && small.found && fd != NULL && small.fd < 0)
-        status = vor_fail_errno(err, errno, "a copy of a stored file in memory");
+        status = vor_fail_errno(err, small.number, "a copy of a stored file in memory");
     *found = status == VOR_OK && small.found;
     *size = small.size;
     if (fd != NULL)
@@ -433,14 +442,13 @@ static vor_status reopen(struct vor_blobs *blobs, const char *file, struct vor_b
 
 static vor_status drop(struct vor_blobs *blobs, const char *file, struct vor_error *err)
 {
-    uint64_t size = size_of((struct vor_blob_directory *)blobs, file);
+    uint64_t size = size_of((struct vor_blob_directory *)blobs, file), small = 0;
 
     if (unlinkat(((struct vor_blob_directory *)blobs)->keep, file, 0) != 0 && errno != ENOENT)
         return vor_fail_errno(err, errno, file);
-    if (size == 0 && blobs->small != NULL &&
-        blobs->small->drop(blobs->small->ctx, file, &size, err) != VOR_OK)
+    if (blobs->small != NULL && blobs->small->drop(blobs->small->ctx, file, &small, err) != VOR_OK)
         return VOR_E_IO;
-    count_less(blobs, size);
+    count_less(blobs, size + small);
     return VOR_OK;
 }
 

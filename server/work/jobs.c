@@ -156,6 +156,18 @@ static enum vor_job_outcome follow_waiting(struct vor_job_service *service,
     return outcome;
 }
 
+/* A job that became live and ended since it was looked for: its runner may not have told it so yet,
+ * and who asks next is to see the row. */
+static void forget_ended(struct vor_job_service *service, const struct vor_uuid *id)
+{
+    struct vor_job *job = vor_job_service_find(service, id);
+
+    if (job == NULL)
+        return;
+    vor_job_service_forget(service, job);
+    vor_job_release(job);
+}
+
 enum vor_job_outcome vor_job_service_follow(struct vor_job_service *service,
                                             const struct vor_uuid *id, const char *tenant,
                                             struct vor_followed *out, struct vor_error *err)
@@ -167,8 +179,11 @@ enum vor_job_outcome vor_job_service_follow(struct vor_job_service *service,
         outcome = row_view(service, id, tenant, &out->row, err);
     if (out->job == NULL && outcome == VOR_DONE && !vor_job_status_over(out->row.status))
         outcome = follow_waiting(service, id, out, err);
-    if (out->job == NULL)
+    if (out->job == NULL) {
+        if (outcome == VOR_DONE)
+            forget_ended(service, id);
         return outcome;
+    }
     vor_job_service_followed(service, out, &out->row);
     if (tenant == NULL || strcmp(out->row.key.principal, tenant) == 0)
         return outcome;

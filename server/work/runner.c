@@ -164,8 +164,12 @@ static int file_of(void *ctx)
 static uint64_t likely_bytes(const struct vor_job_view *row)
 {
     double in = fmax(1, (double)row->input[0].points);
-    double out = vor_spec_keeps_points(&row->spec) ? in : vor_spec_target(&row->spec, (uint64_t)in);
+    double out = vor_spec_target(&row->spec, (uint64_t)in);
 
+    if (vor_spec_keeps_points(&row->spec))
+        out = fmax(in, out);
+    if (out < 0)
+        return UINT32_MAX;
     return (uint64_t)fmin(UINT32_MAX, out / in * (double)row->decoded);
 }
 

@@ -226,59 +226,64 @@ static int is_orphan(struct vor_job_service *service, const struct vor_blob_entr
 /* --- uploads that a crash of the machine took --------------------------------------------------
  */
 
-/* Jobs whose uploads are not there, or not whole. */
-struct missing {
-    struct vor_job_service *service;
+/* Jobs with kept uploads, some at a time. */
+struct keeping {
     struct vor_keeping job[16];
-    size_t count, seen;
-    int64_t seq; /* of the row seen last */
+    size_t count;
 };
 
-static int note_missing(void *ctx, const struct vor_keeping *job)
+static int note_keeping(void *ctx, const struct vor_keeping *job)
 {
-    struct missing *missing = ctx;
+    struct keeping *keeping = ctx;
+
+    keeping->job[keeping->count++] = *job;
+    return keeping->count < sizeof keeping->job / sizeof keeping->job[0];
+}
+
+/* Whether uploads of a job are not there, or not whole. */
+static int is_missing(struct vor_job_service *service, const struct vor_keeping *job)
+{
     const struct vor_process_info *process = vor_process_find(job->process);
     vor_status status = process != NULL ? VOR_OK : VOR_E_PARAM; /* its inputs are not known */
     uint64_t bytes = 0, size;
     int found;
 
-    missing->seen++;
-    missing->seq = job->seq;
     for (unsigned i = 0; status == VOR_OK && process->inputs[i].name != NULL; i++) {
         char blob[VOR_BLOB_NAME_MAX + 1];
 
-        status = vor_blob_get(missing->service->config.blobs, &job->id,
+        status = vor_blob_get(service->config.blobs, &job->id,
                               vor_blob_of_upload(process->inputs[i].name, blob), NULL, &size,
                               &found, NULL);
         bytes += size;
     }
-    if (status == VOR_OK && bytes != job->kept)
-        missing->job[missing->count++] = *job;
-    return missing->count < sizeof missing->job / sizeof missing->job[0];
+    return status == VOR_OK && bytes != job->kept;
 }
 
 /* A kept upload waits for no disk, so that of the last ones before a crash of the machine there may
- * be the row alone, or a part of the bytes: then there is nothing to promise. */
+ * be the row alone, or a part of the bytes: then there is nothing to promise. Blobs are asked
+ * between two lists, as small ones are in the store as well. */
 static void forget_missing(struct vor_job_service *service)
 {
-    struct missing missing = {.service = service, .seq = INT64_MAX};
+    struct keeping keeping;
+    int64_t seq = INT64_MAX;
     struct vor_error err;
 
     do {
-        missing.count = missing.seen = 0;
-        if (vor_store_keeping(service->config.store, missing.seq, note_missing, &missing, &err) !=
-            VOR_OK)
+        keeping.count = 0;
+        if (vor_store_keeping(service->config.store, seq, note_keeping, &keeping, &err) != VOR_OK)
             vor_log(VOR_LOG_WARN, "the kept uploads cannot be listed",
                     VOR_TEXT("error", err.message));
-        for (size_t i = 0; i < missing.count; i++) {
-            const struct vor_keeping *job = &missing.job[i];
+        for (size_t i = 0; i < keeping.count; i++) {
+            const struct vor_keeping *job = &keeping.job[i];
 
-            if (vor_store_forget_uploads(service->config.store, &job->id, &err) != VOR_OK)
+            seq = job->seq;
+            if (!is_missing(service, job) ||
+                vor_store_forget_uploads(service->config.store, &job->id, &err) != VOR_OK)
                 continue; /* the next start finds it */
             vor_job_service_drop_all(service, &job->id, job->process, 0, VOR_HAS_UPLOADS);
             vor_log(VOR_LOG_WARN, "kept upload missing", VOR_TEXT("job", job->id.text));
         }
-    } while (missing.seen > 0 && !vor_job_service_pause(service, 0));
+    } while (keeping.count > 0 && !vor_job_service_pause(service, 0));
 }
 
 static void drop_if_stray(struct vor_job_service *service, const struct vor_blob_entry *blob,

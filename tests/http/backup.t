@@ -9,7 +9,7 @@ use lib "$FindBin::Bin/../support";
 use Test::More;
 use Vt;
 
-my ($block) = map { $_->{text} } grep { $_->{text} =~ /\.backup/ } Vt::documented();
+my ($block) = map { $_->{text} } grep { $_->{text} =~ /VACUUM INTO/ } Vt::documented();
 ok $block, 'the help has the block';
 my $dir = tempdir(CLEANUP => 1);
 my $daemon = Vt->start(data => "$dir/voronoid", jobs => 1);

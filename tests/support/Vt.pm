@@ -125,6 +125,7 @@ sub documented_in {
 sub blobs {
     my ($self) = @_;
     my $small = `sqlite3 $self->{dir}/data/jobs.sqlite 'SELECT name FROM small_file'`;
+    die "sqlite3: $?" if $?;
     return map { s{.*/}{}r } (glob "$self->{dir}/data/blobs/keep/* $self->{dir}/data/blobs/tmp/*"), split /\n/, $small;
 }
 
