@@ -48,8 +48,8 @@
     X(BLOBS, "blobs", TEXT, "SCHEME:PLACE", 0, 0, "",                                              \
       "Uploads and results: dir:PATH for a folder (with --store postgresql://...: of a file "      \
       "system that all daemons share), s3:https://HOST/BUCKET/PREFIX, or "                         \
-      "postgresql://USER@HOST/DATABASE, which may be that of --store. Default: folder blobs in "   \
-      "--data")                                                                                    \
+      "postgresql://USER@HOST/DATABASE, which may be that of --store. With jobs.sqlite and dir:, " \
+      "those of up to 64 KiB are in jobs.sqlite. Default: folder blobs in --data")                 \
     X(BLOBS_PUBLIC_URL, "blobs-public-url", TEXT, "URL", 0, 0, "",                                 \
       "URL at which clients reach the bucket of --blobs s3:..., such as https://HOST/BUCKET. "     \
       "Requests for results then get a redirect to a link that is valid for two minutes. "         \

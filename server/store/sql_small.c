@@ -32,9 +32,9 @@ static int take_name(void *ctx, struct vor_sql_row *row)
 static vor_status take_out(void *ctx, const char *name, uint64_t *was, struct vor_error *err)
 {
     int64_t size = 0;
-    vor_status status = vor_sql_change_each(
-        ctx, vor_sql_take_number, &size, err,
-        "DELETE FROM small_file WHERE name = ? RETURNING length(data)", "t", name);
+    vor_status status =
+        vor_sql_change_each(ctx, vor_sql_take_number, &size, err,
+                            "DELETE FROM small_file WHERE name = ? RETURNING size", "t", name);
 
     *was = (uint64_t)size;
     return status;
@@ -48,8 +48,8 @@ static vor_status put(void *ctx, const char *name, const void *bytes, size_t siz
     if (status != VOR_OK)
         return status;
     status = take_out(ctx, name, was, err);
-    VOR_THEN(status, vor_sql_change(ctx, NULL, err, "INSERT INTO small_file VALUES (?, ?)", "tb",
-                                    name, bytes, size));
+    VOR_THEN(status, vor_sql_change(ctx, NULL, err, "INSERT INTO small_file VALUES (?, ?, ?)",
+                                    "tib", name, (int64_t)size, bytes, size));
     return vor_sql_end(ctx, status, err);
 }
 
@@ -60,7 +60,7 @@ static vor_status get(void *ctx, const char *name, int only_size,
     struct taking taking = {.take = take, .of = of, .only_size = only_size};
 
     return vor_sql_query(ctx, take_file, &taking, err,
-                         "SELECT length(data), CASE ?2 WHEN 0 THEN data END FROM small_file"
+                         "SELECT size, CASE ?2 WHEN 0 THEN data END FROM small_file"
                          " WHERE name = ?1",
                          "ti", name, (int64_t)only_size);
 }
@@ -84,8 +84,7 @@ static vor_status list(void *ctx, void (*each)(void *of, const char *name, size_
 {
     struct taking taking = {.each = each, .of = of};
 
-    return vor_sql_query(ctx, take_name, &taking, err, "SELECT name, length(data) FROM small_file",
-                         "");
+    return vor_sql_query(ctx, take_name, &taking, err, "SELECT name, size FROM small_file", "");
 }
 
 const struct vor_small_files *vor_store_small_files(struct vor_store *store)

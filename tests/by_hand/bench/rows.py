@@ -125,7 +125,7 @@ daemon.process.wait()
 ids = fill(rows=rows * 99 // 100)
 db = sqlite3.connect(os.path.join(data, "jobs.sqlite"))
 for name, bytes in db.execute("SELECT name, data FROM small_file WHERE name LIKE ?", (waits + ".%",)).fetchall():
-    db.executemany("INSERT INTO small_file VALUES (?, ?)", ((id + name[len(id):], bytes) for id in ids))
+    db.executemany("INSERT INTO small_file VALUES (?, ?, ?)", ((id + name[len(id):], len(bytes), bytes) for id in ids))
 db.commit()
 db.close()
 daemon = Daemon()

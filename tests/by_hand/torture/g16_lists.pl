@@ -26,7 +26,7 @@ print $sql "PRAGMA synchronous = OFF; BEGIN; CREATE TEMP TABLE n AS WITH RECURSI
 print $sql "CREATE TEMP TABLE copy AS SELECT $_.*, i FROM $_, n; UPDATE copy SET seq = seq + i"
     . ($_ eq 'job' && ", finished = finished + i, name = 'name ' || (i % 50), id = printf('%08x', i) || substr(id, 9)")
     . "; ALTER TABLE copy DROP COLUMN i; INSERT INTO $_ SELECT * FROM copy; DROP TABLE copy;" for 'job_text', 'job_end', 'job';
-print $sql "INSERT INTO small_file SELECT printf('%08x', i) || substr(name, 9), data FROM small_file, n; COMMIT;";
+print $sql "INSERT INTO small_file SELECT printf('%08x', i) || substr(name, 9), size, data FROM small_file, n; COMMIT;";
 close $sql or die 'sqlite3 fails';
 start();
 for (my ($before, $now) = (-1, 0); $now > $before + .1; sleep 2) { ($before, $now) = ($now, Sockets::cpu_seconds($daemon)) } # it looks at all of them
