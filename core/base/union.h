@@ -13,6 +13,21 @@ static inline uint32_t vor_union_root(uint32_t *parent, uint32_t i)
     return i;
 }
 
+/** The same where differs[i] says whether i is of another sign than parent[i]; *odd says whether it
+ *  is of another than the root. */
+static inline uint32_t vor_union_root_odd(uint32_t *parent, unsigned char *differs, uint32_t i,
+                                          unsigned *odd)
+{
+    *odd = 0;
+    while (parent[i] != i) {
+        differs[i] ^= differs[parent[i]];
+        parent[i] = parent[parent[i]];
+        *odd ^= differs[i];
+        i = parent[i];
+    }
+    return i;
+}
+
 /** Joins the sets of i and j. */
 static inline void vor_union_join(uint32_t *parent, uint32_t i, uint32_t j)
 {

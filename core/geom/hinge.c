@@ -1,6 +1,7 @@
 #include "core/geom/hinge.h"
 
 #include "core/base/linalg.h"
+#include "core/base/union.h"
 #include "core/geom/flip.h"
 
 #include <math.h>
@@ -28,6 +29,7 @@ struct hinge {
     const struct vor_hinge *on;
     unsigned char *between; /* n: 1 where a point belongs to no face by itself */
     unsigned char *apart;   /* n: 1 where a point is in no face, likewise, for good */
+    int64_t *rough;         /* components: thrice their points in no face, less the others */
     uint32_t *up;           /* n: way to the first point of a set, */
     unsigned char *differs; /* n: and whether the sign is another than there */
     uint32_t *face;         /* n: the number of the face, */
@@ -43,19 +45,10 @@ struct hinge {
     size_t seams;
 };
 
-/* Finds the first point of a set, and whether the sign of i differs from its. */
+/* The first point of a set, and whether the sign of i differs from its. */
 static uint32_t root_of(struct hinge *hinge, uint32_t i, unsigned *differs)
 {
-    *differs = 0;
-    while (hinge->up[i] != i) {
-        uint32_t up = hinge->up[i];
-
-        hinge->differs[i] ^= hinge->differs[up];
-        hinge->up[i] = hinge->up[up];
-        *differs ^= hinge->differs[i];
-        i = hinge->up[i];
-    }
-    return i;
+    return vor_union_root_odd(hinge->up, hinge->differs, i, differs);
 }
 
 /* Joins the sets of i and j; says whether their signs differ. */
@@ -119,29 +112,40 @@ static void join_flat(struct hinge *hinge)
         }
 }
 
-/* Lets points between faces join one beside them, ring by ring, with the signs they have. */
-static vor_status join_beside(struct hinge *hinge, const struct vor_run *run, struct vor_error *err)
+/* Lets point i between faces join the one beside it, with the sign it has, if there is one. */
+static int join_near(struct hinge *hinge, uint32_t i)
 {
     const struct vor_graph *graph = hinge->on->graph;
     const unsigned char *odd = hinge->on->span->odd;
-    size_t joined;
-    vor_status status;
 
-    do {
-        joined = 0;
-        status = vor_run_answered(vor_run_poll(run), err);
-        for (size_t i = 0; i < graph->n && status == VOR_OK; i++)
-            for (unsigned a = 0; a < graph->count[i] && hinge->between[i]; a++) {
-                uint32_t j = graph->list[i * graph->most + a];
+    for (unsigned a = 0; a < graph->count[i] && hinge->between[i]; a++) {
+        uint32_t j = graph->list[(size_t)i * graph->most + a];
 
-                if (hinge->between[j])
-                    continue;
-                join(hinge, (uint32_t)i, j, odd[i] ^ odd[j]);
-                hinge->between[i] = 0;
-                joined++;
-            }
-    } while (joined > 0);
-    return status;
+        if (hinge->between[j])
+            continue;
+        join(hinge, i, j, odd[i] ^ odd[j]);
+        hinge->between[i] = 0;
+    }
+    return !hinge->between[i];
+}
+
+/* Lets points between faces join those beside them, and then those that are in their lists. */
+static void join_beside(struct hinge *hinge)
+{
+    const struct vor_graph *graph = hinge->on->graph;
+    uint32_t *joined = hinge->points;
+    size_t count = 0;
+
+    for (uint32_t i = 0; i < graph->n; i++)
+        if (hinge->between[i] && join_near(hinge, i))
+            joined[count++] = i;
+    for (size_t at = 0; at < count; at++)
+        for (unsigned a = 0; a < graph->count[joined[at]]; a++) {
+            uint32_t j = graph->list[(size_t)joined[at] * graph->most + a];
+
+            if (hinge->between[j] && join_near(hinge, j))
+                joined[count++] = j;
+        }
 }
 
 /* Numbers the faces in the order of their first points, and lists the points of each. */
@@ -352,16 +356,20 @@ static vor_status find(unsigned char *odd, struct hinge *hinge, const struct vor
                        struct vor_error *err)
 {
     const struct vor_span *span = hinge->on->span;
-    size_t apart = 0;
+    int is_any = 0;
     vor_status status = vor_run_for(run, span->n, BLOCK, between_block, hinge, err);
 
-    for (size_t i = 0; i < span->n; i++)
-        apart += hinge->apart[i] = hinge->between[i];
-    if (status != VOR_OK || 4 * apart > span->n)
+    for (size_t i = 0; i < span->n; i++) {
+        hinge->apart[i] = hinge->between[i];
+        hinge->rough[span->component[i]] += hinge->apart[i] ? 3 : -1;
+    }
+    for (size_t c = 0; c < span->components; c++)
+        is_any |= hinge->rough[c] <= 0;
+    if (status != VOR_OK || !is_any)
         return status;
     join_flat(hinge);
-    status = join_beside(hinge, run, err);
-    VOR_THEN(status, sort_points(hinge, run, err));
+    join_beside(hinge);
+    status = sort_points(hinge, run, err);
     VOR_THEN(status, find_seams(hinge, run, err));
     VOR_THEN(status, vor_run_for(run, hinge->seams, 1, see_block, hinge, err));
     if (status != VOR_OK || hinge->seams == 0)
@@ -373,7 +381,7 @@ static vor_status find(unsigned char *odd, struct hinge *hinge, const struct vor
         unsigned differs;
 
         (void)root_of(hinge, i, &differs);
-        if (hinge->between[span->component[i]])
+        if (hinge->between[span->component[i]] && hinge->rough[span->component[i]] <= 0)
             odd[i] = (unsigned char)differs;
     }
     return VOR_OK;
@@ -387,12 +395,13 @@ vor_status vor_hinge_find(unsigned char *odd, const struct vor_hinge *on, const 
     vor_status status = VOR_MAKE_ALL(run->memory, err, n, VOR_ZEROED(hinge.between, n, 1),
                                      VOR_ARRAY(hinge.apart, n, 1), VOR_ARRAY(hinge.up, n, 1),
                                      VOR_ZEROED(hinge.differs, n, 1), VOR_ARRAY(hinge.face, n, 1),
-                                     VOR_ARRAY(hinge.sign, n, 1), VOR_ARRAY(hinge.points, n, 1));
+                                     VOR_ARRAY(hinge.sign, n, 1), VOR_ARRAY(hinge.points, n, 1),
+                                     VOR_ZEROED(hinge.rough, on->span->components, 1));
 
     memcpy(odd, on->span->odd, n);
     VOR_THEN(status, find(odd, &hinge, run, err));
     VOR_FREE_ALL(run->memory, hinge.seam, hinge.edge, hinge.mixed, hinge.turned, hinge.first,
-                 hinge.points, hinge.sign, hinge.face, hinge.differs, hinge.up, hinge.apart,
-                 hinge.between);
+                 hinge.points, hinge.sign, hinge.face, hinge.differs, hinge.up, hinge.rough,
+                 hinge.apart, hinge.between);
     return status;
 }

@@ -7,9 +7,9 @@
  *  Faces are what edges join whose ends lie in each other's plane, their signs consistent; points
  *  between faces belong to one beside them. Pairs of faces are joined, those first that see most of
  *  each other: with the signs that this says, or with those they have where it says little. Where
- *  nothing contradicts the signs that a component has, it keeps all of them. Where a quarter of the
- *  points lie in no face, nothing is decided: where noise is 0.3 of the spacing, and of scans with
- *  noise and steps of depth (autzen, office1). */
+ *  nothing contradicts the signs that a component has, it keeps all of them. And where a quarter of
+ *  its points lie in no face, nothing is decided: where noise is 0.3 of the spacing, and of scans
+ * with noise and steps of depth (autzen, office1). */
 #ifndef VOR_GEOM_HINGE_H
 #define VOR_GEOM_HINGE_H
 

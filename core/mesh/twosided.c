@@ -1,27 +1,13 @@
 #include "core/mesh/twosided.h"
 
+#include "core/base/union.h"
+
 #include <string.h>
 
-/* The root of the group of triangle t, and whether t faces the other way than that. All on the way
- * to it become its children. */
+/* The root of the group of triangle t, and whether t faces the other way than that. */
 static uint32_t root_of(struct vor_twosided *sides, uint32_t t, unsigned *contrary)
 {
-    uint32_t root = t;
-    unsigned turned = 0, rest;
-
-    for (; sides->parent[root] != root; root = sides->parent[root])
-        turned ^= sides->contrary[root];
-    *contrary = rest = turned;
-    while (sides->parent[t] != root && t != root) {
-        uint32_t next = sides->parent[t];
-        unsigned step = sides->contrary[t];
-
-        sides->parent[t] = root;
-        sides->contrary[t] = (unsigned char)rest;
-        rest ^= step;
-        t = next;
-    }
-    return root;
+    return vor_union_root_odd(sides->parent, sides->contrary, t, contrary);
 }
 
 /* A group of triangles beside a triangle. */

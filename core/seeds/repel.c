@@ -449,6 +449,8 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
         polish->pace.momentum = aim->momentum;
         polish->pace.pull = VOR_GAP_PULL;
     }
+    /* In the last 16 / 40 of 100 steps, 4 seeds: gap of the sphere 0.695 / 0.691 spacings, delta of
+     * fandisk 0.0219 / 0.0217, instructions of bunny + 3.0 / + 6.3 %. */
     polish->looks = aim == &even_distances && 5 * done >= 3 * steps;
     polish->covers = is_cover && 2 * done >= steps;
     polish->gaps.wide = VOR_GAP_WIDE;
