@@ -62,18 +62,28 @@ static int fill(int fd, uint64_t bytes)
     return 0;
 }
 
-/* Makes the file if as much as `free` bytes are; 0, or an errno. The mutex is held. */
+/* Gives up what is beyond so many bytes; false when that fails, and the file is none any more. The
+ * mutex is held. */
+static int cut(struct vor_reserve *reserve, uint64_t bytes)
+{
+    int failed = bytes > 0 ? truncate(reserve->path, (off_t)bytes) : unlink(reserve->path);
+
+    reserve->held = failed ? 0 : bytes;
+    return !failed;
+}
+
+/* Makes the file if as much as `free` bytes are, with those that it has; 0, or an errno. The mutex
+ * is held. */
 static int make_file(struct vor_reserve *reserve, uint64_t free)
 {
-    int fd = open(reserve->path, O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
+    int fd = open(reserve->path, O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
     struct statvfs disk;
     int failed;
 
-    reserve->held = 0;
     if (fd < 0)
         return errno;
     failed = fstatvfs(fd, &disk) != 0 ? errno : 0;
-    if (!failed && (uint64_t)disk.f_bavail * disk.f_frsize < free)
+    if (!failed && (uint64_t)disk.f_bavail * disk.f_frsize + reserve->held < free)
         failed = ENOSPC;
     if (!failed)
         failed = (fallocate(fd, 0, 0, (off_t)reserve->wanted) != 0 &&
@@ -81,34 +91,32 @@ static int make_file(struct vor_reserve *reserve, uint64_t free)
                      ? errno
                      : 0;
     close(fd);
-    if (failed)
-        (void)unlink(reserve->path);
-    else
-        reserve->held = reserve->wanted;
+    (void)cut(reserve, failed ? reserve->held : reserve->wanted);
     return failed;
 }
 
-/* Gives the room up. True when there was any. */
+/* Gives up a half: others may take what is left over, and then there is room for another change.
+ * True when there was any. */
 static int spend(struct vor_reserve *reserve)
 {
+    static const uint64_t least = 64 << 10; /* bytes; of less all is given up */
     int had = 0;
 
     if (reserve == NULL)
         return 0;
     pthread_mutex_lock(&reserve->mutex);
-    had = reserve->held > 0 && unlink(reserve->path) == 0;
-    reserve->held = 0;
+    had = reserve->held > 0 && cut(reserve, reserve->held > least ? reserve->held / 2 : 0);
     pthread_mutex_unlock(&reserve->mutex);
     return had;
 }
 
 void vor_reserve_want(struct vor_reserve *reserve, uint64_t bytes)
 {
-    if (bytes == 0)
-        (void)spend(reserve);
     pthread_mutex_lock(&reserve->mutex);
     reserve->wanted = bytes;
-    if (reserve->held != bytes)
+    if (bytes == 0)
+        (void)cut(reserve, 0);
+    else if (reserve->held != bytes)
         (void)make_file(reserve, bytes); /* vor_reserve_check tells */
     pthread_mutex_unlock(&reserve->mutex);
 }

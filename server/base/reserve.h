@@ -1,6 +1,6 @@
-/** A file that keeps room on a disk, to be given up when the disk is full: what must be written
- * then (that a job ended, was removed, goes back into line) finds room, and so does the start after
- * it. Thread-safe. */
+/** A file that keeps room on a disk, to be given up by halves when the disk is full: what must be
+ * written then (that a job ended, was removed, goes back into line) finds room, and so does the
+ * start after it. Thread-safe. */
 #ifndef VOR_SERVER_BASE_RESERVE_H
 #define VOR_SERVER_BASE_RESERVE_H
 
@@ -32,8 +32,8 @@ void vor_reserve_want(struct vor_reserve *reserve, uint64_t bytes);
  *  Cost: none when it is there; else that of allocating it: not for HTTP threads. */
 VOR_NODISCARD vor_status vor_reserve_make(struct vor_reserve *reserve, struct vor_error *err);
 
-/** True when something failed because the disk is full, and there is room for another try now: the
- * reserve was given up. It may be NULL. */
+/** True when something failed because the disk is full, and there is room for another try now: half
+ * of the reserve was given up. It may be NULL. */
 int vor_reserve_made_room(struct vor_reserve *reserve, vor_status status,
                           const struct vor_error *err);
 

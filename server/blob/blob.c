@@ -111,21 +111,35 @@ vor_status vor_blobs_open(struct vor_blobs **out, const char *where,
     (*out)->reserve = VOR_BLOBS_RESERVE;
     atomic_init(&(*out)->is_broken, 0);
     atomic_init(&(*out)->promised, 0);
+    atomic_init(&(*out)->refused, 0);
     return VOR_OK;
 }
 
 static void count_small(void *ctx, VOR_UNUSED const char *name, size_t size)
 {
-    ((struct vor_blobs *)ctx)->bytes += size;
+    *(_Atomic uint64_t *)ctx += size;
 }
 
 vor_status vor_blobs_keep_small(struct vor_blobs *blobs, const struct vor_small_files *small,
                                 struct vor_error *err)
 {
-    if (small == NULL || blobs->driver->spill == NULL)
+    _Atomic uint64_t bytes = 0;
+    vor_status status;
+
+    if (small == NULL)
         return VOR_OK;
-    blobs->small = small;
-    return small->list(small->ctx, count_small, blobs, err);
+    if (blobs->driver->spill != NULL) {
+        blobs->small = small;
+        return small->list(small->ctx, count_small, &blobs->bytes, err);
+    }
+    status = small->list(small->ctx, count_small, &bytes, err);
+    if (status == VOR_OK && bytes > 0)
+        return vor_fail_param(
+            err, VOR_E_IO, "blobs",
+            "the job database has %.1f MB of files of --blobs dir: move them with "
+            "voronoid migrate, or start with dir: until their jobs have expired",
+            (double)bytes / 1e6);
+    return status;
 }
 
 void vor_blobs_close(struct vor_blobs *blobs)
@@ -164,6 +178,7 @@ static vor_status check_room(struct vor_blobs *blobs, uint64_t bytes, uint64_t o
 
     if (status != VOR_OK || (available >= taken && available - taken >= bytes))
         return status;
+    atomic_store(&blobs->refused, bytes > 0 ? bytes : 1);
     (void)vor_fail(err, VOR_E_IO,
                    "the disk has no room for %.1f MB: %.1f MB are free, but %.1f MB must stay "
                    "free, and %.1f MB are reserved for other files",
@@ -177,6 +192,13 @@ static vor_status check_room(struct vor_blobs *blobs, uint64_t bytes, uint64_t o
 vor_status vor_blobs_room(struct vor_blobs *blobs, uint64_t bytes, struct vor_error *err)
 {
     return check_room(blobs, bytes, atomic_load(&blobs->promised), err);
+}
+
+int vor_blobs_lack_room(struct vor_blobs *blobs)
+{
+    uint64_t bytes = atomic_exchange(&blobs->refused, 0);
+
+    return bytes > 0 && vor_blobs_room(blobs, bytes, NULL) != VOR_OK;
 }
 
 vor_status vor_blobs_check(struct vor_blobs *blobs, struct vor_error *err)

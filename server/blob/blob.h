@@ -83,7 +83,7 @@ VOR_NODISCARD vor_status vor_blobs_claim(struct vor_blobs *blobs, const char *st
  *
  *  @param[in] small  borrowed; NULL for none
  *
- *  @retval VOR_E_IO */
+ *  @retval VOR_E_IO also when there are small files already, and these blobs cannot be any */
 VOR_NODISCARD vor_status vor_blobs_keep_small(struct vor_blobs *blobs,
                                               const struct vor_small_files *small,
                                               struct vor_error *err);
@@ -110,6 +110,9 @@ void vor_blobs_set_reserve(struct vor_blobs *blobs, uint64_t bytes);
  * as vor_blobs_space */
 VOR_NODISCARD vor_status vor_blobs_room(struct vor_blobs *blobs, uint64_t bytes,
                                         struct vor_error *err);
+
+/** True when there was no room for some bytes since the last call, and there still is none. */
+int vor_blobs_lack_room(struct vor_blobs *blobs);
 
 /** @retval VOR_E_IO since a commit failed with EIO: nothing is known about the disk any more */
 VOR_NODISCARD vor_status vor_blobs_check(struct vor_blobs *blobs, struct vor_error *err);

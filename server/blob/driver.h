@@ -28,6 +28,7 @@ struct vor_blobs {
     const char *public_url;    /**< where clients find the blobs; "" or NULL: nowhere. Borrowed */
     atomic_int is_broken;      /**< an fsync failed */
     _Atomic uint64_t promised; /**< bytes that writers may still write (vor_blob_promise) */
+    _Atomic uint64_t refused;  /**< bytes that there was no room for, since the last look */
     _Atomic uint64_t bytes;    /**< of all blobs; the driver's */
     const struct vor_small_files *small; /**< NULL: small blobs are files as well; borrowed */
 };

@@ -173,6 +173,8 @@ struct vor_store_driver {
                        struct vor_error *err);
     void (*close)(struct vor_store *store);
     vor_status (*check)(struct vor_store *store, int *is_lost, struct vor_error *err);
+    /** vor_store_give_back; NULL for a store that has no file here. */
+    vor_status (*give_back)(struct vor_store *store, int64_t *left, struct vor_error *err);
     /** NULL for a store that daemons cannot share. */
     vor_status (*listen)(struct vor_store *store, const char *where, void (*heard)(void *ctx),
                          void *ctx, struct vor_error *err);

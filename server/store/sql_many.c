@@ -81,7 +81,7 @@ vor_status vor_store_evict(struct vor_store *store, enum vor_evict why, int64_t 
 
     do
         status = evict(store, why, limit, evictions, err);
-    while (vor_reserve_made_room(store->reserve, status, err));
+    while (vor_store_made_room(store, status, err));
     return status;
 }
 
@@ -110,7 +110,7 @@ vor_status vor_store_shift(struct vor_store *store, int64_t by_ms, struct vor_er
                                     " WHERE seq > ?2 AND seq <= ?3 AND expires > 0",
                                     "iii", by_ms, from, from + PORTION);
         status = vor_sql_end(store, status, err);
-    } while (vor_reserve_made_room(store->reserve, status, err));
+    } while (vor_store_made_room(store, status, err));
     return status;
 }
 
@@ -313,7 +313,7 @@ vor_status vor_store_reap(struct vor_store *store, const char *owner, int is_alo
                                     " AND (?2 <> 0 OR lease < clock_ms() - 3600000)",
                                     "ti", owner, (int64_t)is_alone);
         status = vor_sql_end(store, status, err);
-    } while (vor_reserve_made_room(store->reserve, status, err));
+    } while (vor_store_made_room(store, status, err));
     *reaped = status == VOR_OK ? (uint64_t)changed : 0;
     return status;
 }

@@ -68,6 +68,7 @@ static vor_status get(void *ctx, const char *name, int only_size,
 /* Most names that are dropped were never there: a look is cheaper than a change. */
 static vor_status drop(void *ctx, const char *name, uint64_t *was, struct vor_error *err)
 {
+    struct vor_error why = {.status = VOR_OK};
     int64_t found = 0;
     vor_status status = vor_sql_query(ctx, vor_sql_take_number, &found, err,
                                       "SELECT 1 FROM small_file WHERE name = ?", "t", name);
@@ -75,8 +76,13 @@ static vor_status drop(void *ctx, const char *name, uint64_t *was, struct vor_er
     *was = 0;
     if (status != VOR_OK || !found)
         return status;
-    status = vor_sql_begin(ctx, VOR_SQL_LAZY, err);
-    return status == VOR_OK ? vor_sql_end(ctx, take_out(ctx, name, was, err), err) : status;
+    err = err != NULL ? err : &why; /* which says whether the disk is full */
+    do {
+        status = vor_sql_begin(ctx, VOR_SQL_LAZY, err);
+        if (status == VOR_OK)
+            status = vor_sql_end(ctx, take_out(ctx, name, was, err), err);
+    } while (vor_store_made_room(ctx, status, err));
+    return status;
 }
 
 static vor_status list(void *ctx, void (*each)(void *of, const char *name, size_t size), void *of,

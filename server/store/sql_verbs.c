@@ -161,7 +161,7 @@ vor_status vor_store_hand_back(struct vor_store *store, const struct vor_uuid *i
             "tiiiiit", id->text, (int64_t)run->lease.attempt, run->now_ms,
             (int64_t)(run->is_crash != 0), (int64_t)(run->is_crash && run->was_alone),
             (int64_t)run->most, run->lease.owner);
-    while (vor_reserve_made_room(store->reserve, status, err));
+    while (vor_store_made_room(store, status, err));
     return status;
 }
 
@@ -225,7 +225,7 @@ vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *
         if (status == VOR_OK && seq != 0)
             status = add_end(store, seq, row, ending->report, err);
         status = vor_sql_end(store, status, err);
-    } while (vor_reserve_made_room(store->reserve, status, err));
+    } while (vor_store_made_room(store, status, err));
     *changed = status == VOR_OK && seq != 0;
     if (status == VOR_OK && *changed)
         vor_metric_add(VOR_METRIC_JOBS_ENDED, 1,
@@ -243,7 +243,7 @@ vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, 
             vor_sql_change(store, changed, err,
                            "DELETE FROM job WHERE id = ? AND status NOT IN ('accepted', 'running')",
                            "t", id->text);
-    while (vor_reserve_made_room(store->reserve, status, err));
+    while (vor_store_made_room(store, status, err));
     return status;
 }
 

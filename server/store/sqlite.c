@@ -364,6 +364,25 @@ static vor_status check(struct vor_store *store, int *is_lost, struct vor_error 
     return status;
 }
 
+/* Pages without rows, 64 at a time: those at the end of the file are moved into others. The log
+ * goes into the file before, so that it has room for that and for what follows though the disk has
+ * none; and after, which makes the file shorter. */
+static vor_status give_back(struct vor_store *store, int64_t *left, struct vor_error *err)
+{
+    struct sqlite *db = (struct sqlite *)store;
+    vor_status status = atomic_load(&db->broken) ? refuse(err) : VOR_OK;
+
+    if (status != VOR_OK)
+        return status;
+    pthread_mutex_lock(&db->base.writing);
+    (void)run(db, &db->writer, "PRAGMA wal_checkpoint", NULL);
+    status = run(db, &db->writer, "PRAGMA incremental_vacuum(64); PRAGMA wal_checkpoint", err);
+    pthread_mutex_unlock(&db->base.writing);
+    return status == VOR_OK
+               ? vor_sql_query(store, vor_sql_take_number, left, err, "PRAGMA freelist_count", "")
+               : status;
+}
+
 const struct vor_store_driver vor_store_sqlite = {
     .scheme = "sqlite",
     .place = "PATH",
@@ -371,4 +390,5 @@ const struct vor_store_driver vor_store_sqlite = {
     .open = open_store,
     .close = close_store,
     .check = check,
+    .give_back = give_back,
 };

@@ -1,16 +1,16 @@
 #include "server/store/sql_verbs.h"
 
 /* No store of an earlier version was released. */
-enum { SCHEMA_VERSION = 17 };
+enum { SCHEMA_VERSION = 18 };
 
 /* What stands beside the tables of jobs (VOR_SQL_TABLE_OF_JOB). ledger is what each principal has,
  * and the turn of its job that was claimed last; round is how much waits, by which a place in the
  * queue is counted: in turn t in row t, and in the 256 turns of which t is one in row -1 - t / 256.
  * Triggers keep both, so that they change in the transaction of whatever changes a job. Leases are
  * a row of each daemon. Events stand in the pieces that were appended, each with the number of its
- * last one. Names and sizes of small files are read in their index; a key in one tree with the
- * bytes would be compared with all bytes at hand. The view, and the ledger's version, are words
- * that statements have for PostgreSQL's sake: postgres_schema.c says why. */
+ * last one. Keys of events and of small files stand in an index: one in the same tree as the bytes
+ * would be compared with all bytes at hand. The view, and the ledger's version, are words that
+ * statements have for PostgreSQL's sake: postgres_schema.c says why. */
 #define BESIDE                                                                                     \
     "CREATE TABLE ledger (principal TEXT PRIMARY KEY, jobs INTEGER NOT NULL, kept INTEGER NOT"     \
     " NULL, held INTEGER NOT NULL, turn INTEGER NOT NULL DEFAULT -1,"                              \
@@ -22,7 +22,7 @@ enum { SCHEMA_VERSION = 17 };
     "CREATE TABLE daemon (owner TEXT PRIMARY KEY, lease INTEGER NOT NULL,"                         \
     " engine TEXT NOT NULL) WITHOUT ROWID;"                                                        \
     "CREATE TABLE event (seq INTEGER, attempt INTEGER, last INTEGER, data BLOB NOT NULL,"          \
-    " PRIMARY KEY (seq, attempt, last)) WITHOUT ROWID;"                                            \
+    " PRIMARY KEY (seq, attempt, last));"                                                          \
     "CREATE TABLE small_file (name TEXT NOT NULL, size INTEGER NOT NULL, data BLOB NOT NULL);"     \
     "CREATE INDEX small_named ON small_file (name, size);"
 
@@ -76,8 +76,9 @@ enum { SCHEMA_VERSION = 17 };
     VOR_SQL_TABLE_OF_JOB("INTEGER PRIMARY KEY AUTOINCREMENT", " UNIQUE", ")")                      \
     VOR_SQL_TABLES_BESIDE("INTEGER PRIMARY KEY")
 
-static const char first[] =
-    "BEGIN;" BESIDE JOBS INDEXES TRIGGERS "PRAGMA user_version=17; COMMIT;";
+/* How pages are given back (vor_store_give_back) is set in a file that has some by VACUUM alone. */
+static const char first[] = "PRAGMA auto_vacuum=INCREMENTAL; VACUUM;"
+    "BEGIN;" BESIDE JOBS INDEXES TRIGGERS "PRAGMA user_version=18; COMMIT;";
 /* clang-format on */
 
 static const struct {

@@ -116,3 +116,20 @@ vor_status vor_store_check_reserve(struct vor_store *store, struct vor_error *er
 {
     return vor_reserve_check(store->reserve, err);
 }
+
+vor_status vor_store_give_back(struct vor_store *store, int64_t *left, struct vor_error *err)
+{
+    *left = 0;
+    return store->driver->give_back != NULL ? store->driver->give_back(store, left, err) : VOR_OK;
+}
+
+int vor_store_made_room(struct vor_store *store, vor_status status, const struct vor_error *err)
+{
+    int64_t left;
+
+    if (!vor_reserve_made_room(store->reserve, status, err))
+        return 0;
+    /* Before others take what was given up. */
+    (void)(vor_store_give_back(store, &left, NULL) == VOR_OK);
+    return 1;
+}

@@ -57,6 +57,18 @@ void vor_store_set_reserve(struct vor_store *store, uint64_t bytes);
 VOR_NODISCARD vor_status vor_store_keep_reserve(struct vor_store *store, struct vor_error *err);
 VOR_NODISCARD vor_status vor_store_check_reserve(struct vor_store *store, struct vor_error *err);
 
+/** True when a change failed because the disk is full, and there is room for another try now: the
+ *  reserve was given up. */
+int vor_store_made_room(struct vor_store *store, vor_status status, const struct vor_error *err);
+
+/** Gives some of the room that rows have left back to the disk.
+ *
+ *  @param[out] left  how much there is still to give; 0: nothing, or the store is no file here
+ *
+ *  Cost: some syncs, for which changes wait; none when there is nothing to give. */
+VOR_NODISCARD vor_status vor_store_give_back(struct vor_store *store, int64_t *left,
+                                             struct vor_error *err);
+
 /** store may be NULL; no call may be under way. */
 void vor_store_close(struct vor_store *store);
 

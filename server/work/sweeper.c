@@ -84,6 +84,9 @@ static int look_at_clock(struct vor_job_service *service)
 }
 /* --- disks ------------------------------------------------------------------------------------ */
 
+/* What may take long takes so long of the time between two looks of the sweeper. */
+static const double portion_seconds = 0.25;
+
 vor_status vor_job_service_ready(struct vor_job_service *service, struct vor_error *err)
 {
     struct vor_error why;
@@ -104,6 +107,17 @@ vor_status vor_job_service_ready(struct vor_job_service *service, struct vor_err
     (void)vor_fail(err, status, "%s: %.900s", part, why.message);
     err->got = why.got;
     return status;
+}
+
+/* Rows that went have left room in the file of the store. */
+static void give_room_back(struct vor_job_service *service)
+{
+    double until = vor_clock_seconds() + portion_seconds;
+    int64_t left;
+
+    while (vor_store_give_back(service->config.store, &left, NULL) == VOR_OK && left > 0 &&
+           vor_clock_seconds() < until)
+        continue;
 }
 
 /* Makes the reserve again once there is room, and tells config.failed, once, that a disk has
@@ -134,6 +148,9 @@ static void look_at_disk(struct vor_job_service *service)
             vor_log(VOR_LOG_WARN, "no reserve on the disk", VOR_TEXT("error", err.message));
         service->is_full = !has;
     }
+    if (vor_blobs_lack_room(service->config.blobs) || service->is_full ||
+        atomic_load(&service->is_late))
+        give_room_back(service);
     if (service->has_failed)
         return;
     /* Well as long as no disk has failed and the store is ours; one that is away may come back. */
@@ -154,9 +171,6 @@ static void look_at_disk(struct vor_job_service *service)
  * the job service removes at a time, which is 2, and each may have results in two formats. More is
  * a damaged table, or another one: then files stay as long as results do. */
 enum { ORPHANS_OF_CRASH = 8 };
-
-/* A look at strays may take so long: a part of the time between two looks of the sweeper. */
-static const double portion_seconds = 0.25;
 
 /* --- the blobs -------------------------------------------------------------------------------- */
 

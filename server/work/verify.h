@@ -1,6 +1,7 @@
 /** Bytes on the disk beside the digest that they had when they were written, before they are sent:
  * a file is read once by a thread of its own, and what was found holds for some minutes, so that
- *  ranges and repeated downloads cost nothing more. Thread-safe.
+ *  ranges and repeated downloads cost nothing more. Small files that stand in the store are read
+ *  each time. Thread-safe.
  *
  *  What that costs: one pass of SHA-256 before the first byte, measured in verify.c; HTTP threads
  *  do not wait for it. */

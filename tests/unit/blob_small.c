@@ -42,3 +42,20 @@ VT_TEST(what_takes_the_place_of_a_small_blob_is_found_wherever_it_stands)
     ck_assert_uint_eq(vor_blobs_bytes(blobs), 0);
     vor_blobs_close(blobs);
 }
+
+VT_TEST(a_store_with_small_files_is_refused_where_blobs_are_elsewhere)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs elsewhere = {.driver = &vor_blob_s3};
+    struct vor_uuid id = vt_row(1).id;
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    const struct vor_small_files *small = blobs->small;
+
+    vt_blob_put(blobs, &id, "cloud", "bytes");
+    vt_assert_fails(VOR_E_IO, vor_blobs_keep_small(&elsewhere, small, &vt_err));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "voronoid migrate"));
+    vt_assert_ok(vor_blob_drop(blobs, &id, "cloud", &vt_err));
+    vt_assert_ok(vor_blobs_keep_small(&elsewhere, small, &vt_err));
+    ck_assert_ptr_null(elsewhere.small);
+    vor_blobs_close(blobs);
+}

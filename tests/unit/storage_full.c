@@ -255,6 +255,39 @@ VT_TEST(what_ends_a_job_spends_the_reserve_which_is_made_again)
     remove_disk(dir);
 }
 
+/* While the first hundred go, others take whatever there is. */
+VT_TEST(small_files_that_go_give_their_room_to_the_disk)
+{
+    static const char bytes[20000];
+    const char *dir = vt_dir_make();
+    const struct vor_small_files *small;
+    struct vt_daemon daemon;
+    uint64_t was;
+    char name[16];
+    int count = 0;
+
+    ck_assert(small_disk(dir, 40000));
+    start(&daemon, dir);
+    vor_blobs_set_reserve(daemon.blobs, 1);
+    vor_store_set_reserve(daemon.store, 8400000);
+    small = vor_store_small_files(daemon.store);
+    do
+        (void)snprintf(name, sizeof name, "%d", count++);
+    while (small->put(small->ctx, name, bytes, sizeof bytes, &was, &vt_err) == VOR_OK);
+    ck_assert(vor_error_storage_full(&vt_err));
+    for (int i = 0; i < count - 1; i++) {
+        if (i < 100)
+            fill(dir);
+        (void)snprintf(name, sizeof name, "%d", i);
+        vt_assert_ok(small->drop(small->ctx, name, &was, NULL));
+        ck_assert_uint_eq(was, sizeof bytes);
+    }
+    while (vor_job_service_ready(daemon.service, &vt_err) != VOR_OK)
+        nap(20);
+    vt_daemon_stop(&daemon);
+    remove_disk(dir);
+}
+
 VT_TEST(a_store_on_a_full_disk_opens_by_its_reserve)
 {
     const char *dir = vt_dir_make();

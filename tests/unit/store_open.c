@@ -66,7 +66,7 @@ VT_TEST(what_is_no_store_is_refused)
 /* The version of a SQLite file's schema is the big-endian number at byte 60. */
 VT_TEST_LOOP(a_store_of_another_version_is_refused_and_left_alone, 2)
 {
-    static const int versions[] = {16, 18};
+    static const int versions[] = {17, 19};
     char wanted[80];
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -79,13 +79,13 @@ VT_TEST_LOOP(a_store_of_another_version_is_refused_and_left_alone, 2)
     (void)snprintf(where, sizeof where, "sqlite:%s/jobs.sqlite", dir);
     file = fopen(where + 7, "r+");
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
-    ck_assert_int_eq(fgetc(file), 17);
+    ck_assert_int_eq(fgetc(file), 18);
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
     ck_assert_int_eq(fputc(versions[_i], file), versions[_i]);
     fclose(file);
     vt_assert_fails(VOR_E_IO, vor_store_open(&store, where, 0, &holder, &vt_err));
     (void)snprintf(wanted, sizeof wanted,
-                   "schema %d, but this version reads only 17: ", versions[_i]);
+                   "schema %d, but this version reads only 18: ", versions[_i]);
     ck_assert_ptr_nonnull(strstr(vt_err.message, wanted));
     ck_assert_ptr_null(store);
 }
