@@ -13,9 +13,15 @@ const struct vor_store_driver *vor_store_driver_at(unsigned index)
     return index < sizeof drivers / sizeof drivers[0] ? drivers[index] : NULL;
 }
 
-/* What SQLite takes to open a file that was closed in order: 32 KiB of memory that connections
- * share, and the head of its log. */
-static const uint64_t OPENING_BYTES = 64 << 10;
+/* What is kept for an opening: 32 KiB of memory that connections share and the head of the log,
+ * with some more; and of a larger reserve a part in which the log has room for the first rows that
+ * go. */
+static uint64_t opening_bytes(uint64_t reserve)
+{
+    static const uint64_t least = 64 << 10;
+
+    return reserve / 16 > least ? reserve / 16 : reserve > 0 ? least : 0;
+}
 
 static vor_status open_reserve(struct vor_reserve **out, const char *place, const char *suffix,
                                struct vor_error *err)
@@ -82,14 +88,16 @@ vor_status vor_store_open(struct vor_store **out, const char *where, int may_sha
 void vor_store_close(struct vor_store *store)
 {
     struct vor_reserve *reserve, *opening;
+    uint64_t kept;
 
     if (store == NULL)
         return;
+    kept = store->opening_bytes;
     reserve = store->reserve;
     opening = store->opening;
     store->driver->close(store);
     if (opening != NULL && vor_reserve_check(opening, NULL) != VOR_OK)
-        vor_reserve_want(opening, OPENING_BYTES); /* of the room that the closing has made */
+        vor_reserve_want(opening, kept); /* of the room that the closing has made */
     vor_reserve_close(reserve);
     vor_reserve_close(opening);
 }
@@ -98,7 +106,8 @@ void vor_store_set_reserve(struct vor_store *store, uint64_t bytes)
 {
     if (store->reserve == NULL)
         return;
-    vor_reserve_want(store->opening, bytes > 0 ? OPENING_BYTES : 0);
+    store->opening_bytes = opening_bytes(bytes);
+    vor_reserve_want(store->opening, store->opening_bytes);
     vor_reserve_want(store->reserve, bytes);
 }
 

@@ -299,11 +299,13 @@ static enum vor_job_outcome remove_job(struct vor_job_service *service,
 {
     const struct vor_uuid *id = &row->id;
     struct vor_job *job;
+    int64_t left;
     int changed;
     vor_status status = vor_store_remove(service->config.store, id, &changed, err);
 
-    /* On a disk without a byte the job's own make the room that its end takes. */
+    /* On a disk without a byte the log's own, and the job's, make the room that its end takes. */
     if (status == VOR_E_IO && vor_error_storage_full(err)) {
+        (void)(vor_store_give_back(service->config.store, &left, NULL) == VOR_OK);
         drop_bytes(service, row);
         status = vor_store_remove(service->config.store, id, &changed, err);
     }

@@ -288,6 +288,37 @@ VT_TEST(small_files_that_go_give_their_room_to_the_disk)
     remove_disk(dir);
 }
 
+/* A start whose disk has no room but for the opening: the log has some of it. */
+VT_TEST(jobs_can_be_removed_after_a_start_on_a_full_disk)
+{
+    const char *dir = vt_dir_make();
+    struct vor_job_view row[300];
+    struct vt_daemon daemon;
+    char reserve[512];
+
+    ck_assert(small_disk(dir, 20000));
+    start(&daemon, dir);
+    vor_store_set_reserve(daemon.store, 4000000);
+    for (int i = 0; i < 300; i++) {
+        row[i] = vt_row(10);
+        vt_assert_ok(vor_store_insert(daemon.store, &row[i], NULL, &vt_err));
+        ck_assert_int_eq(vor_job_service_dismiss(daemon.service, &row[i].id, "no", NULL, &vt_err),
+                         VOR_DONE);
+    }
+    vt_daemon_stop(&daemon);
+    (void)snprintf(reserve, sizeof reserve, "%s/jobs.sqlite.reserve", dir);
+    ck_assert_int_eq(unlink(reserve), 0);
+    fill(dir);
+    start(&daemon, dir);
+    for (int i = 0; i < 300; i++) {
+        ck_assert_msg(vor_job_service_dismiss(daemon.service, &row[i].id, "no", NULL, &vt_err) ==
+                          VOR_DONE,
+                      "%d: %s", i, vt_err.message);
+    }
+    vt_daemon_stop(&daemon);
+    remove_disk(dir);
+}
+
 VT_TEST(a_store_on_a_full_disk_opens_by_its_reserve)
 {
     const char *dir = vt_dir_make();
