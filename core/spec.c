@@ -230,12 +230,13 @@ static const char *find_nearest(const struct vor_parameter_info *info, const cha
 
 /* A text that is no number stands in quotes; of a count with k or M, what it comes to stands beside
  * it. A list with a word that is unknown is well-formed, and has a status of its own. */
-static vor_status refuse_text(const struct vor_parameter_info *info, enum vor_shape shape,
-                              const char *text, struct vor_error *err)
+static vor_status refuse_text(const struct vor_parameter_info *info, const char *text,
+                              struct vor_error *err)
 {
     char quoted[SHOWN_SIZE - 2], what[SHOWN_SIZE + MEANT_SIZE], meant[VOR_KIND_NUMBER_SIZE];
     char nearest[VOR_NEAREST_TEXT_SIZE];
-    int is_number = vor_kind_has_shape(info->kind, VOR_SHAPE_NUMBER);
+    enum vor_form first = vor_kind_form(info->kind, 0);
+    int is_number = first == VOR_FORM_WHOLE || first == VOR_FORM_REAL;
 
     if (text[0] == '\0')
         return refuse_value(info, "empty", err);
@@ -244,8 +245,8 @@ static vor_status refuse_text(const struct vor_parameter_info *info, enum vor_sh
         (void)snprintf(what, sizeof what, "%s, which is %s", quoted, meant);
     else
         (void)snprintf(what, sizeof what, is_number ? "%s" : "\"%s\"", quoted);
-    return refuse_as(vor_kind_has_unknown_word(info, shape, text) ? VOR_E_WORD : VOR_E_PARAM, info,
-                     what, find_nearest(info, text, nearest), err);
+    return refuse_as(vor_kind_has_unknown_word(info, text) ? VOR_E_WORD : VOR_E_PARAM, info, what,
+                     find_nearest(info, text, nearest), err);
 }
 
 /* The parameter of that name as the process has it; false when it takes none. */
@@ -269,28 +270,22 @@ vor_status vor_spec_refuse(const struct vor_spec *spec, const char *name, const 
                                                : refuse_name(spec->process, name, err);
 }
 
-vor_status vor_spec_set_as(struct vor_spec *spec, const char *name, enum vor_shape shape,
-                           const char *text, struct vor_error *err)
+vor_status vor_spec_set(struct vor_spec *spec, const char *name, const char *text,
+                        struct vor_error *err)
 {
     struct vor_parameter_info info;
     enum vor_parameter parameter;
     struct vor_value value;
+    enum vor_form first;
 
     if (!find(spec, name, &parameter, &info))
         return refuse_name(spec->process, name, err);
-    if (!vor_kind_has_shape(info.kind, shape))
-        return refuse_value(&info, vor_shape_word(shape), err);
-    if (vor_kind_has_shape(info.kind, VOR_SHAPE_ARRAY) && strlen(text) >= VOR_SPEC_TEXTS_SIZE)
+    first = vor_kind_form(info.kind, 0);
+    if ((first == VOR_FORM_LIST || first == VOR_FORM_COUNTS) && strlen(text) >= VOR_SPEC_TEXTS_SIZE)
         return refuse_size(parameter, text, err);
-    if (!vor_kind_read(&info, shape, text, &value))
-        return refuse_text(&info, shape, text, err);
+    if (!vor_kind_read(&info, text, &value))
+        return refuse_text(&info, text, err);
     return store(spec, parameter, &value, err);
-}
-
-vor_status vor_spec_set(struct vor_spec *spec, const char *name, const char *text,
-                        struct vor_error *err)
-{
-    return vor_spec_set_as(spec, name, VOR_SHAPE_ANY, text, err);
 }
 
 vor_status vor_spec_set_number(struct vor_spec *spec, const char *name, double number,
@@ -299,7 +294,7 @@ vor_status vor_spec_set_number(struct vor_spec *spec, const char *name, double n
     char text[32];
 
     (void)snprintf(text, sizeof text, "%.17g", number);
-    return vor_spec_set_as(spec, name, VOR_SHAPE_NUMBER, text, err);
+    return vor_spec_set(spec, name, text, err);
 }
 
 static int counts_given(const struct vor_spec *spec)

@@ -51,15 +51,6 @@ int vor_spec_counts(const struct vor_spec *spec, enum vor_parameter parameter);
 VOR_NODISCARD vor_status vor_spec_set(struct vor_spec *spec, const char *name, const char *text,
                                       struct vor_error *err);
 
-/** The same from a notation that tells shapes apart, as JSON does: text is a number, a boolean
- *  (true or false), a string or an array (written as a list), and is read as nothing else.
- *
- *  @retval VOR_E_PARAM as vor_spec_set; also when the kind has no such shape
- *  @retval VOR_E_WORD  as vor_spec_set; an element of an array that is no word is none of them */
-VOR_NODISCARD vor_status vor_spec_set_as(struct vor_spec *spec, const char *name,
-                                         enum vor_shape shape, const char *text,
-                                         struct vor_error *err);
-
 /** The same from a number. */
 VOR_NODISCARD vor_status vor_spec_set_number(struct vor_spec *spec, const char *name, double number,
                                              struct vor_error *err);

@@ -35,8 +35,6 @@ static void add(struct line *line, const char *format, ...)
 
 /* A row of the table of forms. */
 struct form {
-    enum vor_shape shape;
-
     /* Reads text; true when it is in this form and in range. */
     int (*read)(const struct vor_parameter_info *info, const char *text, struct vor_value *out);
 
@@ -328,23 +326,20 @@ static void write_auto(const struct vor_parameter_info *info, double value, cons
 #define RANGE "< to >^"
 
 static const struct form forms[VOR_FORM_NONE] = {
-    [VOR_FORM_WHOLE] = {VOR_SHAPE_NUMBER, read_whole, write_number, "a whole number from < to >",
-                        RANGE},
-    [VOR_FORM_REAL] = {VOR_SHAPE_NUMBER, read_real, write_number, "a number from < to >", RANGE},
-    [VOR_FORM_CHOICE] = {VOR_SHAPE_STRING, read_choice, write_choice, "one of *", "*"},
-    [VOR_FORM_WORD] = {VOR_SHAPE_STRING, read_word, write_word, "one of *", "*"},
-    [VOR_FORM_NAME] = {VOR_SHAPE_STRING, read_name, write_name, "@ of < to > bytes", "@"},
-    [VOR_FORM_VECTOR] = {VOR_SHAPE_STRING, read_vector, write_text, "X,Y,Z of numbers from < to >",
-                         "X,Y,Z"},
-    [VOR_FORM_FLAG] = {VOR_SHAPE_BOOLEAN, read_flag, write_flag, "true or false", "true | false"},
-    [VOR_FORM_TEXT] = {VOR_SHAPE_STRING, read_text, write_text, "text of < to > bytes",
-                       "text of < to > bytes"},
-    [VOR_FORM_LIST] = {VOR_SHAPE_ARRAY, read_list, write_list,
+    [VOR_FORM_WHOLE] = {read_whole, write_number, "a whole number from < to >", RANGE},
+    [VOR_FORM_REAL] = {read_real, write_number, "a number from < to >", RANGE},
+    [VOR_FORM_CHOICE] = {read_choice, write_choice, "one of *", "*"},
+    [VOR_FORM_WORD] = {read_word, write_word, "one of *", "*"},
+    [VOR_FORM_NAME] = {read_name, write_name, "@ of < to > bytes", "@"},
+    [VOR_FORM_VECTOR] = {read_vector, write_text, "X,Y,Z of numbers from < to >", "X,Y,Z"},
+    [VOR_FORM_FLAG] = {read_flag, write_flag, "true or false", "true | false"},
+    [VOR_FORM_TEXT] = {read_text, write_text, "text of < to > bytes", "text of < to > bytes"},
+    [VOR_FORM_LIST] = {read_list, write_list,
                        "words separated by commas, each at most once: *, or " EMPTY_LIST,
                        "some of + | " EMPTY_LIST},
-    [VOR_FORM_COUNTS] = {VOR_SHAPE_ARRAY, read_counts, write_text,
+    [VOR_FORM_COUNTS] = {read_counts, write_text,
                          "whole numbers from < to >, each once, separated by commas", RANGE},
-    [VOR_FORM_AUTO] = {VOR_SHAPE_STRING, read_auto, write_auto, "auto", "auto"},
+    [VOR_FORM_AUTO] = {read_auto, write_auto, "auto", "auto"},
 };
 
 /* Whether a value is in a form. */
@@ -388,37 +383,6 @@ static void say(const struct vor_parameter_info *info, const char *text, const c
             add(out, "%c", *text);
 }
 
-static const char *const shape_words[] = {
-    [VOR_SHAPE_NUMBER] = "a number",
-    [VOR_SHAPE_BOOLEAN] = "a boolean",
-    [VOR_SHAPE_STRING] = "a string",
-    [VOR_SHAPE_ARRAY] = "an array",
-};
-
-const char *vor_shape_word(enum vor_shape shape)
-{
-    assert(shape > VOR_SHAPE_ANY && shape <= VOR_SHAPE_ARRAY);
-    return shape_words[shape];
-}
-
-/* The row of form number `index` of a kind; NULL past the last. */
-static const struct form *form_of(enum vor_kind kind, unsigned index)
-{
-    enum vor_form form = vor_kind_form(kind, index);
-
-    return form != VOR_FORM_NONE ? &forms[form] : NULL;
-}
-
-int vor_kind_has_shape(enum vor_kind kind, enum vor_shape shape)
-{
-    const struct form *form;
-
-    for (unsigned i = 0; (form = form_of(kind, i)) != NULL; i++)
-        if (form->shape == shape)
-            return 1;
-    return shape == VOR_SHAPE_ANY;
-}
-
 enum vor_form vor_kind_form_of(const struct vor_parameter_info *info, double value)
 {
     enum vor_form form;
@@ -429,15 +393,14 @@ enum vor_form vor_kind_form_of(const struct vor_parameter_info *info, double val
     return form;
 }
 
-int vor_kind_read(const struct vor_parameter_info *info, enum vor_shape shape, const char *text,
-                  struct vor_value *out)
+int vor_kind_read(const struct vor_parameter_info *info, const char *text, struct vor_value *out)
 {
-    const struct form *form;
+    enum vor_form form;
 
-    for (unsigned i = 0; (form = form_of(info->kind, i)) != NULL; i++) {
+    for (unsigned i = 0; (form = vor_kind_form(info->kind, i)) != VOR_FORM_NONE; i++) {
         struct vor_value value = {0, NULL};
 
-        if ((shape != VOR_SHAPE_ANY && shape != form->shape) || !form->read(info, text, &value))
+        if (!forms[form].read(info, text, &value))
             continue;
         *out = value;
         return 1;
@@ -445,15 +408,9 @@ int vor_kind_read(const struct vor_parameter_info *info, enum vor_shape shape, c
     return 0;
 }
 
-int vor_kind_has_unknown_word(const struct vor_parameter_info *info, enum vor_shape shape,
-                              const char *text)
+int vor_kind_has_unknown_word(const struct vor_parameter_info *info, const char *text)
 {
-    enum vor_form form;
-
-    for (unsigned i = 0; (form = vor_kind_form(info->kind, i)) != VOR_FORM_NONE; i++)
-        if (form == VOR_FORM_LIST && (shape == VOR_SHAPE_ANY || shape == forms[form].shape))
-            return has_unknown(info, text);
-    return 0;
+    return vor_kind_form(info->kind, 0) == VOR_FORM_LIST && has_unknown(info, text);
 }
 
 int vor_kind_expand(const struct vor_parameter_info *info, const char *text,
@@ -484,12 +441,12 @@ void vor_kind_write(const struct vor_parameter_info *info, double value, const c
 static void say_all(const struct vor_parameter_info *info, int values, char *text)
 {
     struct line line = {text, VOR_KIND_WORDS_SIZE, 0};
-    const struct form *form;
+    enum vor_form form;
 
-    for (unsigned i = 0; (form = form_of(info->kind, i)) != NULL; i++) {
+    for (unsigned i = 0; (form = vor_kind_form(info->kind, i)) != VOR_FORM_NONE; i++) {
         if (i > 0)
             add(&line, values ? " | " : " or ");
-        say(info, values ? form->values : form->want, values ? " | " : ", ", &line);
+        say(info, values ? forms[form].values : forms[form].want, values ? " | " : ", ", &line);
     }
 }
 

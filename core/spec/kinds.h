@@ -5,9 +5,6 @@
 
 #include "core/spec/tables.h"
 
-/** "a number", "a boolean", "a string", "an array"; shape is not ANY. */
-const char *vor_shape_word(enum vor_shape shape);
-
 /** A value that was read. */
 struct vor_value {
     double number;
@@ -19,18 +16,14 @@ struct vor_value {
  * for every row. */
 #define VOR_KIND_WORDS_SIZE 640
 
-/** True when the kind has a form of that shape. */
-int vor_kind_has_shape(enum vor_kind kind, enum vor_shape shape);
-
 /** The form of a value; VOR_FORM_NONE if it is not given. */
 enum vor_form vor_kind_form_of(const struct vor_parameter_info *info, double value);
 
-/** Reads text as a value of a shape.
+/** Reads text as a value.
  *
  *  @param[out] out  unchanged when false is returned
- *  @return true; false if it is in none of the kind's forms of this shape, or out of range */
-int vor_kind_read(const struct vor_parameter_info *info, enum vor_shape shape, const char *text,
-                  struct vor_value *out);
+ *  @return true; false if it is in none of the kind's forms, or out of range */
+int vor_kind_read(const struct vor_parameter_info *info, const char *text, struct vor_value *out);
 
 /** Bytes of a number that vor_kind_expand writes, with the NUL. */
 #define VOR_KIND_NUMBER_SIZE 32
@@ -43,10 +36,9 @@ int vor_kind_read(const struct vor_parameter_info *info, enum vor_shape shape, c
 int vor_kind_expand(const struct vor_parameter_info *info, const char *text,
                     char out[VOR_KIND_NUMBER_SIZE]);
 
-/** True if text is a list of words for one of the kind's forms of this shape, none of them empty,
- * and some of them not among the parameter's. */
-int vor_kind_has_unknown_word(const struct vor_parameter_info *info, enum vor_shape shape,
-                              const char *text);
+/** True if the kind is a list, and text one of words, none of them empty, and some of them not
+ *  among the parameter's. */
+int vor_kind_has_unknown_word(const struct vor_parameter_info *info, const char *text);
 
 /** Writes a value as text from which vor_kind_read reads the same value; "" if it is not given.
  *  Cuts the text at size. name is the text or the name of a value that has one, else ignored. */

@@ -25,15 +25,6 @@ enum vor_form {
     VOR_FORM_NONE    /**< of a value that is not given; also the number of forms */
 };
 
-/** What a caller's notation tells of a value: plain text may be in any form, JSON has shapes. */
-enum vor_shape {
-    VOR_SHAPE_ANY,
-    VOR_SHAPE_NUMBER,
-    VOR_SHAPE_BOOLEAN,
-    VOR_SHAPE_STRING,
-    VOR_SHAPE_ARRAY
-};
-
 /** Kinds: how a parameter is written. Identifier, form, other form. */
 #define VOR_KIND_TABLE(X)                                                                          \
     X(COUNT, WHOLE, NONE)                                                                          \

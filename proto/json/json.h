@@ -63,22 +63,15 @@ size_t vor_json_format_double(char out[VOR_JSON_NUMBER_MAX], double value);
 #define VOR_JSON_TOKENS_MAX 20000 /**< values, keys and opening brackets */
 #define VOR_JSON_NUMBER_LENGTH_MAX 63
 
-/** Where the keys of a text stand, in the order in which they stand. */
-struct vor_json_keys {
-    uint32_t *offsets; /**< room for VOR_JSON_TOKENS_MAX */
-    size_t count;
-};
-
 /** Checks a text without reading it: RFC 8259 to the letter, within the limits above, valid UTF-8,
- *  no NUL and no \u0000, numbers that fit a double, and nothing after the value. Does not look for
- *  duplicate keys, but notes where the keys stand; keys may be NULL.
+ *  no NUL and no \u0000, numbers that fit a double, and nothing after the value. Keys may stand
+ *  there twice.
  *
  *  @retval VOR_E_REQUEST byte_offset says where and the message why; limit and got are set when a
  *                        limit was exceeded
  *
  *  O(size) time, no memory. */
-VOR_NODISCARD vor_status vor_json_scan(const char *bytes, size_t size, struct vor_json_keys *keys,
-                                       struct vor_error *err);
+VOR_NODISCARD vor_status vor_json_scan(const char *bytes, size_t size, struct vor_error *err);
 
 /* Reads a stranger's JSON. The one door to cJSON. */
 
@@ -94,22 +87,18 @@ enum vor_json_kind {
     VOR_JSON_OBJECT
 };
 
-/** Reads a stranger's text: vor_json_scan, then cJSON, then no two members of an object with the
- *  same name. bytes need no NUL at the end.
+/** Reads a stranger's text: vor_json_scan, then cJSON. bytes need no NUL at the end.
  *
  *  @param[out] out to be freed with vor_json_free; NULL on failure
- *  @retval VOR_E_REQUEST as vor_json_scan; a duplicate key (byte_offset of the second one)
+ *  @retval VOR_E_REQUEST as vor_json_scan
  *  @retval VOR_E_NOMEM
  *
- *  O(size log size) time, under 4 MiB of memory. */
+ *  O(size) time, under 4 MiB of memory. */
 VOR_NODISCARD vor_status vor_json_parse(struct vor_json **out, const char *bytes, size_t size,
                                         struct vor_error *err);
 void vor_json_free(struct vor_json *json);
 
 enum vor_json_kind vor_json_kind(const struct vor_json *value);
-
-/** "null", "a boolean", "a number", "a string", "an array", "an object": for messages. */
-const char *vor_json_kind_word(const struct vor_json *value);
 
 /** The getters take NULL for value, so that calls can be nested. They compare names byte for byte.
  */
@@ -166,11 +155,10 @@ void vor_json_spec_changed(struct vor_text *text, const struct vor_spec *spec);
 void vor_json_spec_value(struct vor_text *text, const struct vor_spec *spec,
                          enum vor_parameter parameter);
 
-/** Sets what an object's members name; the others keep what spec has.
+/** Sets what an object's members name, as vor_json_spec writes them; the others keep what spec has.
  *
  *  @param[in,out] spec  unchanged on failure
- *  @retval VOR_E_PARAM object is no object, or as vor_spec_set_as (parameter names the member)
- *  @retval VOR_E_WORD  as vor_spec_set_as
+ *  @retval VOR_E_PARAM, VOR_E_WORD  as vor_spec_set (parameter names the member)
  *
  *  vor_spec_check is the caller's to call. */
 VOR_NODISCARD vor_status vor_json_spec_read(struct vor_spec *spec, const struct vor_json *object,

@@ -12,7 +12,6 @@ struct scan {
     size_t size, at;
     unsigned depth;
     size_t tokens;
-    struct vor_json_keys *keys;
     struct vor_error *err;
 };
 
@@ -206,8 +205,6 @@ static vor_status scan_key(struct scan *s)
     status = count_token(s);
     if (status != VOR_OK)
         return status;
-    if (s->keys != NULL)
-        s->keys->offsets[s->keys->count++] = (uint32_t)s->at;
     status = scan_string(s);
     if (status != VOR_OK)
         return status;
@@ -271,10 +268,9 @@ static vor_status scan_value(struct scan *s)
     return VOR_OK;
 }
 
-vor_status vor_json_scan(const char *bytes, size_t size, struct vor_json_keys *keys,
-                         struct vor_error *err)
+vor_status vor_json_scan(const char *bytes, size_t size, struct vor_error *err)
 {
-    struct scan s = {(const unsigned char *)bytes, size, 0, 0, 0, keys, err};
+    struct scan s = {(const unsigned char *)bytes, size, 0, 0, 0, err};
     vor_status status;
 
     if (size > VOR_JSON_SIZE_MAX)

@@ -191,53 +191,32 @@ void vor_json_parameter_schema(struct vor_text *text, const struct vor_process_i
     vor_json_end_object(text);
 }
 
-/* The words with commas between, as a list is written. What is no word stands there as JSON, which
- * is none either, so that the refusal shows it. */
-static vor_status set_array(struct vor_spec *spec, const struct vor_json *member,
-                            struct vor_error *err)
-{
-    struct vor_text words;
-    vor_status status;
-
-    vor_text_init(&words, 0);
-    for (const struct vor_json *e = vor_json_first(member); e != NULL; e = vor_json_next(e)) {
-        const char *word = vor_json_get_string(e);
-
-        if (words.size > 0)
-            vor_text_puts(&words, ",");
-        if (word != NULL && word[0] != '\0' && strchr(word, ',') == NULL)
-            vor_text_puts(&words, word);
-        else
-            vor_json_copy(&words, e);
-    }
-    status = vor_text_status(&words, err);
-    VOR_THEN(status, vor_spec_set_as(spec, vor_json_name(member), VOR_SHAPE_ARRAY,
-                                     words.size > 0 ? words.data : "none", err));
-    vor_text_free(&words);
-    return status;
-}
-
+/* As the query has it: an array is a list of words, which has commas between. */
 static vor_status set_member(struct vor_spec *spec, const struct vor_json *member,
                              struct vor_error *err)
 {
-    const char *name = vor_json_name(member);
-    double number = 0;
-    int flag = 0;
+    int is_list = vor_json_kind(member) == VOR_JSON_ARRAY;
+    const struct vor_json *part = is_list ? vor_json_first(member) : member;
+    struct vor_text text;
+    vor_status status;
 
-    switch (vor_json_kind(member)) {
-    case VOR_JSON_BOOL:
-        (void)vor_json_get_bool(member, &flag);
-        return vor_spec_set_as(spec, name, VOR_SHAPE_BOOLEAN, flag ? "true" : "false", err);
-    case VOR_JSON_NUMBER:
-        (void)vor_json_get_number(member, &number);
-        return vor_spec_set_number(spec, name, number, err);
-    case VOR_JSON_STRING:
-        return vor_spec_set_as(spec, name, VOR_SHAPE_STRING, vor_json_get_string(member), err);
-    case VOR_JSON_ARRAY:
-        return set_array(spec, member, err);
-    default:
-        return vor_spec_refuse(spec, name, vor_json_kind_word(member), err);
+    vor_text_init(&text, 0);
+    for (; part != NULL; part = is_list ? vor_json_next(part) : NULL) {
+        if (text.size > 0)
+            vor_text_puts(&text, ",");
+        if (vor_json_get_string(part) != NULL)
+            vor_text_puts(&text, vor_json_get_string(part));
+        else
+            vor_json_copy(&text, part);
     }
+    status = vor_text_status(&text, err);
+    VOR_THEN(status, vor_spec_set(spec, vor_json_name(member),
+                                  text.size > 0 ? text.data
+                                  : is_list     ? "none"
+                                                : "",
+                                  err));
+    vor_text_free(&text);
+    return status;
 }
 
 vor_status vor_json_spec_read(struct vor_spec *spec, const struct vor_json *object,
@@ -246,9 +225,6 @@ vor_status vor_json_spec_read(struct vor_spec *spec, const struct vor_json *obje
     struct vor_spec next = *spec;
     vor_status status = VOR_OK;
 
-    if (vor_json_kind(object) != VOR_JSON_OBJECT)
-        return vor_fail(err, VOR_E_PARAM, "the parameters are %s, want an object",
-                        vor_json_kind_word(object));
     for (const struct vor_json *m = vor_json_first(object); m != NULL && status == VOR_OK;
          m = vor_json_next(m))
         status = set_member(&next, m, err);

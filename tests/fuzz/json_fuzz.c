@@ -1,6 +1,5 @@
-/* Any bytes through the reader's door. What the scan lets pass, cJSON reads (or a key comes twice);
- * what was read, written out by our own writer, is read again as the same; a request read from it
- * comes back. */
+/* Any bytes through the reader's door. What the scan lets pass, cJSON reads; what was read, written
+ * out by our own writer, is read again as the same; a request read from it comes back. */
 #include "proto/json/json.h"
 #include "tests/fuzz/fuzz.h"
 
@@ -25,7 +24,7 @@ static void read_request(const struct vor_json *json)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
-    vor_status scanned = vor_json_scan((const char *)bytes, size, NULL, NULL), status;
+    vor_status scanned = vor_json_scan((const char *)bytes, size, NULL), status;
     struct vor_json *json = NULL, *again = NULL;
     struct vor_text first, second;
     struct vor_error err;
@@ -37,8 +36,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     require(status == VOR_OK || (json == NULL && err.byte_offset >= 0 &&
                                  err.byte_offset <= (int64_t)size && err.message[0] != '\0'),
             "a refusal says nothing");
-    require(scanned != VOR_OK || status == VOR_OK || strstr(err.message, "duplicate") != NULL,
-            "cJSON refuses what the scan lets pass");
+    require(scanned != VOR_OK || status == VOR_OK, "cJSON refuses what the scan lets pass");
     if (status == VOR_OK) {
         read_request(json);
         vor_json_copy(&first, json);

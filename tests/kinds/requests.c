@@ -1,6 +1,6 @@
-/* Requests with parameters of every kind, by tables that have rows of the tests' own: what is said
- * of a wrong value in JSON, the texts of a request, and what a process describes; that text and
- * JSON say the same: table.c. No file of the product knows these rows. */
+/* Requests with parameters of every kind, by tables that have rows of the tests' own: the texts of
+ * a request, and what a process describes; that text and JSON say the same: table.c. No file of the
+ * product knows these rows. */
 #include "proto/json/json.h"
 #include "tests/support/vt.h"
 
@@ -26,7 +26,7 @@ static const char *written(const struct vor_spec *spec)
     vor_text_init(&text, 0);
     vor_json_spec(&text, spec);
     vt_assert_ok(vor_text_status(&text, &vt_err));
-    vt_assert_ok(vor_json_scan(text.data, text.size, NULL, &vt_err));
+    vt_assert_ok(vor_json_scan(text.data, text.size, &vt_err));
     ck_assert_uint_lt(text.size, sizeof kept);
     memcpy(kept, text.data, text.size + 1);
     vor_text_free(&text);
@@ -61,49 +61,6 @@ VT_TEST(every_kind_is_read_from_json_and_written_back)
     ck_assert_ptr_null(vor_spec_name(&spec, VOR_PARAM_ANGLE));
     read_json(&back, written(&spec));
     ck_assert_mem_eq(&spec, &back, sizeof spec);
-}
-
-struct refusal {
-    const char *name, *json, *message;
-};
-
-static const struct refusal unknown[] = {
-    {"sieves", "[\"thin\",\"blur\"]",
-     "sieves is \"thin,blur\", want words separated by commas, each at most once: mls, "
-     "outliers, thin, or none"},
-    {"sieves", "[\"mls\",5]",
-     "sieves is \"mls,5\", want words separated by commas, each at most once: mls, "
-     "outliers, thin, or none"},
-    {"sieves", "[\"mls,thin\"]",
-     "sieves is \"\\x22mls,thin\\x22\", want words separated by commas, each at most once: "
-     "mls, outliers, thin, or none"},
-    {"sieves", "[\"\"]",
-     "sieves is \"\\x22\\x22\", want words separated by commas, each at most once: mls, "
-     "outliers, thin, or none"},
-    {"rungs", "[\"auto\"]",
-     "rungs is \"auto\", want words separated by commas, each at most once: up, down, or "
-     "none or auto"},
-};
-
-static void refuses(vor_status status, const struct refusal *refusal)
-{
-    struct vor_spec spec = request(), before = spec;
-    char text[128];
-    struct vor_json *json;
-
-    (void)snprintf(text, sizeof text, "{\"%s\":%s}", refusal->name, refusal->json);
-    json = vt_json(text);
-    vt_assert_fails(status, vor_json_spec_read(&spec, json, &vt_err));
-    ck_assert_str_eq(vt_err.message, refusal->message);
-    ck_assert_str_eq(vt_err.parameter, refusal->name);
-    ck_assert_mem_eq(&spec, &before, sizeof spec);
-    vor_json_free(json);
-}
-
-VT_TEST_LOOP(an_unknown_element_of_a_list_has_a_status_of_its_own,
-             (int)(sizeof unknown / sizeof unknown[0]))
-{
-    refuses(VOR_E_WORD, &unknown[_i]);
 }
 
 /* In whatever order texts are set, and however often, equal requests are equal bytes. */

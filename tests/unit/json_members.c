@@ -126,7 +126,7 @@ VT_TEST(the_schema_names_every_member_with_its_unit)
     vor_json_begin_object(&text);
     vor_json_members_schema(&text, &basket_members);
     vor_json_end_object(&text);
-    vt_assert_ok(vor_json_scan(text.data, text.size, NULL, &vt_err));
+    vt_assert_ok(vor_json_scan(text.data, text.size, &vt_err));
     expect("{\"type\":\"object\",\"required\":[\"held\",\"size\",\"flavour\",\"first\",\"others\","
            "\"sales\"],\"properties\":{"
            "\"held\":{\"type\":\"integer\",\"minimum\":0,\"description\":\"How many it holds\","

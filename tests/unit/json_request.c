@@ -1,5 +1,4 @@
-/* Requests as JSON: read back as they were written, refused by name; and the descriptions of the
- * processes. */
+/* Requests as JSON, read back as they were written; and the descriptions of the processes. */
 #include "proto/json/json.h"
 #include "tests/support/vt.h"
 
@@ -32,41 +31,6 @@ VT_TEST(a_vector_comes_back_with_its_text)
         vor_json_free(json);
         vor_text_free(&text);
     }
-}
-
-struct refused {
-    const char *json, *parameter, *message;
-};
-
-static const struct refused refused[] = {
-    {"[]", "", "the parameters are an array, want an object"},
-    {"{\"points\":\"100\"}", "points",
-     "points is a string, want a whole number from 1 to 10000000"},
-    {"{\"seed\":2,\"points\":0}", "points", "points is 0, want a whole number from 1 to 10000000"},
-    {"{\"points\":[1]}", "points", "points is an array, want a whole number from 1 to 10000000"},
-    {"{\"boundary\":1}", "boundary", "boundary is a number, want one of keep, free, sites, fill"},
-    {"{\"boundary\":\"kee\\np\"}", "boundary",
-     "boundary is \"kee\\x0ap\", want one of keep, free, sites, fill; did you mean keep?"},
-    {"{\"a/b~c\":1}", "a/b~c", NULL},
-    {"{\"new\\nline\":1}", "new\\x0aline", NULL},
-    {"{\"Points\":1}", "Points", NULL},
-};
-
-VT_TEST_LOOP(a_wrong_member_is_named_and_nothing_is_set, (int)(sizeof refused / sizeof refused[0]))
-{
-    const struct refused *r = &refused[_i];
-    struct vor_json *json = vt_json(r->json);
-    struct vor_spec spec, before;
-
-    vor_spec_init(&spec);
-    before = spec;
-    vt_assert_fails(VOR_E_PARAM, vor_json_spec_read(&spec, json, &vt_err));
-    ck_assert_str_eq(vt_err.parameter, r->parameter);
-    if (r->message != NULL)
-        ck_assert_str_eq(vt_err.message, r->message);
-    ck_assert_ptr_null(strchr(vt_err.message, '\n'));
-    ck_assert_mem_eq(&spec, &before, sizeof spec);
-    vor_json_free(json);
 }
 
 static const struct vor_json *at(const struct vor_json *json, const char *a, const char *b,

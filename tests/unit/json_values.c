@@ -11,7 +11,7 @@ static void expect(const char *wanted)
 {
     vt_assert_ok(vor_text_status(&text, &vt_err));
     ck_assert_str_eq(text.data, wanted);
-    vt_assert_ok(vor_json_scan(text.data, text.size, NULL, &vt_err));
+    vt_assert_ok(vor_json_scan(text.data, text.size, &vt_err));
     vor_text_free(&text);
 }
 
@@ -116,7 +116,7 @@ VT_TEST(a_report_tells_of_its_stages_warnings_and_request)
     vor_json_spec(&request, &report.parameters);
     vor_text_init(&text, 0);
     vor_json_document(&text, &document);
-    vt_assert_ok(vor_json_scan(text.data, text.size, NULL, &vt_err));
+    vt_assert_ok(vor_json_scan(text.data, text.size, &vt_err));
     holds("{\"points\":{\"in\":35947,\"out\":5000},");
     holds("\"stopped\":\"iterations\",");
     holds("\"warnings\":[{\"about\":\"orientation\",\"value\":3,\"limit\":0,\"says\":\"Some "
@@ -142,7 +142,7 @@ VT_TEST(a_measure_has_an_input_where_it_has_a_reference)
     for (measure.has_reference = 0; measure.has_reference < 2; measure.has_reference++) {
         vor_text_init(&text, 0);
         vor_json_document(&text, &document);
-        vt_assert_ok(vor_json_scan(text.data, text.size, NULL, &vt_err));
+        vt_assert_ok(vor_json_scan(text.data, text.size, &vt_err));
         holds("{\"n\":3,\"delta\":0,");
         ck_assert_int_eq(strstr(text.data, "\"input\":{") != NULL, measure.has_reference);
         if (measure.has_reference)

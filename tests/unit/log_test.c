@@ -55,7 +55,7 @@ static long count_in_order(char *text, long total)
 
     for (char *line = strtok_r(text, "\n", &rest); line != NULL;
          line = strtok_r(NULL, "\n", &rest)) {
-        vt_assert_ok(vor_json_scan(line, strlen(line), NULL, &vt_err));
+        vt_assert_ok(vor_json_scan(line, strlen(line), &vt_err));
         if (strstr(line, "log lines dropped") != NULL) {
             long lines = member(line, "\"lines\":");
 
@@ -126,6 +126,6 @@ VT_TEST_LOOP(a_long_text_loses_its_middle_and_says_how_much, 2)
     while (mark[-1] != '[')
         mark--;
     ck_assert_int_ge(atoi(mark), 7900);
-    vt_assert_ok(vor_json_scan(text, strlen(text), NULL, &vt_err));
+    vt_assert_ok(vor_json_scan(text, strlen(text), &vt_err));
     free(text);
 }

@@ -191,7 +191,7 @@ VT_TEST(lines_of_several_threads_do_not_mix)
         pthread_join(threads[i], NULL);
     for (line = strtok_r(drain(ends[0]), "\n", &rest); line != NULL;
          line = strtok_r(NULL, "\n", &rest), lines++)
-        vt_assert_ok(vor_json_scan(line, strlen(line), NULL, &vt_err));
+        vt_assert_ok(vor_json_scan(line, strlen(line), &vt_err));
     ck_assert_int_eq(lines, 150);
 }
 

@@ -95,7 +95,7 @@ VT_TEST_LOOP(a_text_is_read_as_its_value_and_written_back, (int)(sizeof taken / 
     struct vor_value value;
     char text[64];
 
-    ck_assert_msg(vor_kind_read(&row, VOR_SHAPE_ANY, taken[_i].text, &value), "%s", taken[_i].text);
+    ck_assert_msg(vor_kind_read(&row, taken[_i].text, &value), "%s", taken[_i].text);
     ck_assert(value.number == taken[_i].value);
     ck_assert_int_eq(vor_kind_form_of(&row, value.number), taken[_i].form);
     vor_kind_write(&row, value.number, value.text, text, sizeof text);
@@ -194,8 +194,7 @@ VT_TEST_LOOP(what_is_not_of_the_kind_is_refused, (int)(sizeof refused / sizeof r
     struct vor_parameter_info row = row_of(refused[_i].kind);
     struct vor_value value = {42, "untouched"};
 
-    ck_assert_msg(!vor_kind_read(&row, VOR_SHAPE_ANY, refused[_i].text, &value), "%s",
-                  refused[_i].text);
+    ck_assert_msg(!vor_kind_read(&row, refused[_i].text, &value), "%s", refused[_i].text);
     ck_assert(value.number == 42);
     ck_assert_str_eq(value.text, "untouched");
 }
@@ -205,49 +204,8 @@ VT_TEST_LOOP(no_kind_takes_nothing, VOR_KINDS)
     struct vor_parameter_info row = row_of((enum vor_kind)_i);
     struct vor_value value;
 
-    ck_assert(!vor_kind_read(&row, VOR_SHAPE_ANY, "", &value));
-    ck_assert(!vor_kind_read(&row, VOR_SHAPE_ANY, "\x01", &value));
-}
-
-/* JSON tells shapes apart: which of them a kind has, and that the same text is refused in another.
- */
-VT_TEST_LOOP(a_kind_takes_the_shapes_of_its_forms_alone, VOR_KINDS)
-{
-    enum { N = 1 << VOR_SHAPE_NUMBER, B = 1 << VOR_SHAPE_BOOLEAN, S = 1 << VOR_SHAPE_STRING };
-    enum { A = 1 << VOR_SHAPE_ARRAY };
-    static const unsigned shapes[VOR_KINDS] = {[VOR_KIND_COUNT] = N,
-                                               [VOR_KIND_REAL] = N,
-                                               [VOR_KIND_CHOICE] = S,
-                                               [VOR_KIND_FLAG] = B,
-                                               [VOR_KIND_TEXT] = S,
-                                               [VOR_KIND_LIST] = A,
-                                               [VOR_KIND_CHOICE_OR_NAME] = S,
-                                               [VOR_KIND_CHOICE_OR_VECTOR] = S,
-                                               [VOR_KIND_COUNT_OR_AUTO] = N | S,
-                                               [VOR_KIND_REAL_OR_AUTO] = N | S,
-                                               [VOR_KIND_REAL_OR_WORD] = N | S,
-                                               [VOR_KIND_LIST_OR_AUTO] = A | S,
-                                               [VOR_KIND_COUNTS_OR_AUTO] = A | S};
-    static const enum vor_shape shape_of[VOR_FORM_NONE] = {
-        [VOR_FORM_WHOLE] = VOR_SHAPE_NUMBER,  [VOR_FORM_REAL] = VOR_SHAPE_NUMBER,
-        [VOR_FORM_CHOICE] = VOR_SHAPE_STRING, [VOR_FORM_WORD] = VOR_SHAPE_STRING,
-        [VOR_FORM_NAME] = VOR_SHAPE_STRING,   [VOR_FORM_VECTOR] = VOR_SHAPE_STRING,
-        [VOR_FORM_FLAG] = VOR_SHAPE_BOOLEAN,  [VOR_FORM_TEXT] = VOR_SHAPE_STRING,
-        [VOR_FORM_LIST] = VOR_SHAPE_ARRAY,    [VOR_FORM_COUNTS] = VOR_SHAPE_ARRAY,
-        [VOR_FORM_AUTO] = VOR_SHAPE_STRING};
-
-    for (int shape = VOR_SHAPE_NUMBER; shape <= VOR_SHAPE_ARRAY; shape++) {
-        ck_assert_int_eq(vor_kind_has_shape((enum vor_kind)_i, (enum vor_shape)shape),
-                         shapes[_i] >> shape & 1);
-        for (size_t k = 0; k < sizeof taken / sizeof taken[0]; k++) {
-            struct vor_parameter_info row = row_of(taken[k].kind);
-            struct vor_value value;
-
-            if ((int)taken[k].kind == _i)
-                ck_assert_int_eq(vor_kind_read(&row, (enum vor_shape)shape, taken[k].text, &value),
-                                 (int)shape_of[taken[k].form] == shape);
-        }
-    }
+    ck_assert(!vor_kind_read(&row, "", &value));
+    ck_assert(!vor_kind_read(&row, "\x01", &value));
 }
 
 VT_TEST_LOOP(a_kind_says_what_it_wants, VOR_KINDS)
@@ -298,9 +256,9 @@ VT_TEST_LOOP(a_word_that_is_not_allowed_is_no_word, 2)
     struct vor_value value;
 
     row.allowed = 5; /* mls and thin */
-    ck_assert(vor_kind_read(&row, VOR_SHAPE_ANY, "thin", &value));
+    ck_assert(vor_kind_read(&row, "thin", &value));
     ck_assert(value.number == (_i == 0 ? 2 : 4));
-    ck_assert(!vor_kind_read(&row, VOR_SHAPE_ANY, "outliers", &value));
+    ck_assert(!vor_kind_read(&row, "outliers", &value));
     vor_kind_want(&row, text);
     ck_assert_ptr_null(strstr(text, "outliers"));
     ck_assert_ptr_nonnull(strstr(text, "mls, thin"));
