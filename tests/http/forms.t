@@ -200,7 +200,7 @@ for my $case (
     ['[1,2]', 415, 'unsupported-format', qr/^the body is JSON/],
     ['{"mesh":{"points":{"points":3}}}', 400, 'invalid-parameter', qr{at /mesh/points;}],
     ['{"points":5', 400, 'malformed-request', qr/./],
-    ['{"points":5,"points":6}', 400, 'malformed-request', qr/duplicate/],
+    ['{"points":5,"points":6}', 400, 'invalid-parameter', qr{points=5&points=6;}],
     [' ', 400, 'malformed-request', qr/./],
     ['', 400, 'invalid-parameter', qr/^give exactly one of the parameters points, ratio and spacing: none/],
     ['{"a":"' . 'x' x (1 << 20) . '"}', 413, 'too-many-bytes', qr/want at most 1048576/],
