@@ -109,9 +109,8 @@ const struct vor_json *vor_json_get(const struct vor_json *value, const char *na
 /** The string's text, without NUL inside; NULL when value is no string. */
 const char *vor_json_get_string(const struct vor_json *value);
 
-/** True and *out set when value is a number, or a boolean (0, 1). *out is finite. */
+/** True and *out set when value is a number. *out is finite. */
 int vor_json_get_number(const struct vor_json *value, double *out);
-int vor_json_get_bool(const struct vor_json *value, int *out);
 
 /** First element or member of an array or object, the one after it, and a member's name; NULL past
  *  the last. Cost: O(1) each. */

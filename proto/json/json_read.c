@@ -67,14 +67,6 @@ int vor_json_get_number(const struct vor_json *value, double *out)
     return 1;
 }
 
-int vor_json_get_bool(const struct vor_json *value, int *out)
-{
-    if (!cJSON_IsBool(node(value)))
-        return 0;
-    *out = cJSON_IsTrue(node(value)) != 0;
-    return 1;
-}
-
 const struct vor_json *vor_json_first(const struct vor_json *value)
 {
     if (!cJSON_IsObject(node(value)) && !cJSON_IsArray(node(value)))

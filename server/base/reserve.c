@@ -36,15 +36,6 @@ vor_status vor_reserve_open(struct vor_reserve **out, const char *path, struct v
     return VOR_OK;
 }
 
-void vor_reserve_close(struct vor_reserve *reserve)
-{
-    if (reserve == NULL)
-        return;
-    pthread_mutex_destroy(&reserve->mutex);
-    free(reserve->path);
-    free(reserve);
-}
-
 /* Where the file system cannot allocate, it is given bytes that it cannot leave out. */
 static int fill(int fd, uint64_t bytes)
 {
@@ -95,19 +86,45 @@ static int make_file(struct vor_reserve *reserve, uint64_t free)
     return failed;
 }
 
+/* Bytes that SQLite takes to open a file that was closed in order: 32 KiB of memory that
+ * connections share and the head of the log, with some more. */
+static const uint64_t least = 64 << 10;
+
+/* What is left to the next opening; of a large reserve a part in which the log has room for the
+ * first rows that go. */
+static uint64_t opening_bytes(uint64_t wanted)
+{
+    return wanted / 16 > least ? wanted / 16 : wanted > 0 ? least : 0;
+}
+
 /* Gives up a half: others may take what is left over, and then there is room for another change.
  * True when there was any. */
-static int spend(struct vor_reserve *reserve)
+static int spend(struct vor_reserve *reserve, int is_opening)
 {
-    static const uint64_t least = 64 << 10; /* bytes; of less all is given up */
-    int had = 0;
+    uint64_t half, kept;
+    int had;
 
     if (reserve == NULL)
         return 0;
     pthread_mutex_lock(&reserve->mutex);
-    had = reserve->held > 0 && cut(reserve, reserve->held > least ? reserve->held / 2 : 0);
+    half = reserve->held > least ? reserve->held / 2 : 0;
+    kept = is_opening ? 0 : opening_bytes(reserve->wanted);
+    kept = half > kept ? half : kept;
+    had = reserve->held > kept && cut(reserve, kept);
     pthread_mutex_unlock(&reserve->mutex);
     return had;
+}
+
+void vor_reserve_close(struct vor_reserve *reserve)
+{
+    if (reserve == NULL)
+        return;
+    reserve->wanted = opening_bytes(reserve->wanted);
+    if (reserve->held < reserve->wanted)
+        (void)make_file(reserve, reserve->wanted);
+    pthread_mutex_destroy(&reserve->mutex);
+    free(reserve->path);
+    free(reserve);
 }
 
 void vor_reserve_want(struct vor_reserve *reserve, uint64_t bytes)
@@ -152,8 +169,8 @@ vor_status vor_reserve_check(struct vor_reserve *reserve, struct vor_error *err)
     return fail_missing(reserve, ENOSPC, err);
 }
 
-int vor_reserve_made_room(struct vor_reserve *reserve, vor_status status,
+int vor_reserve_made_room(struct vor_reserve *reserve, int is_opening, vor_status status,
                           const struct vor_error *err)
 {
-    return status != VOR_OK && vor_error_storage_full(err) && spend(reserve);
+    return status != VOR_OK && vor_error_storage_full(err) && spend(reserve, is_opening);
 }

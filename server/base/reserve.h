@@ -16,7 +16,8 @@ struct vor_reserve;
 VOR_NODISCARD vor_status vor_reserve_open(struct vor_reserve **out, const char *path,
                                           struct vor_error *err);
 
-/** The file stays. reserve may be NULL. */
+/** The file stays; of one that is spent, what an opening takes is made again. reserve may be NULL.
+ */
 void vor_reserve_close(struct vor_reserve *reserve);
 
 /** Asks for a file of `bytes` (0: none, and one that is there goes) and makes it if there is room.
@@ -33,8 +34,10 @@ void vor_reserve_want(struct vor_reserve *reserve, uint64_t bytes);
 VOR_NODISCARD vor_status vor_reserve_make(struct vor_reserve *reserve, struct vor_error *err);
 
 /** True when something failed because the disk is full, and there is room for another try now: half
- * of the reserve was given up. It may be NULL. */
-int vor_reserve_made_room(struct vor_reserve *reserve, vor_status status,
+ * of the reserve was given up. It may be NULL.
+ *
+ *  @param[in] is_opening  takes the last part too, which is left to the next opening otherwise */
+int vor_reserve_made_room(struct vor_reserve *reserve, int is_opening, vor_status status,
                           const struct vor_error *err);
 
 /** @retval VOR_E_IO as vor_reserve_make, without trying: for HTTP threads. reserve may be NULL */

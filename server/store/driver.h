@@ -20,8 +20,6 @@
 struct vor_store {
     const struct vor_store_driver *driver;
     struct vor_reserve *reserve;  /**< of the disk; NULL for none */
-    struct vor_reserve *opening;  /**< a small one, spent by an opening alone; NULL for none */
-    uint64_t opening_bytes;       /**< that it is to have */
     struct vor_small_files small; /**< vor_store_small_files */
     int is_shared;                /**< other daemons may use it at the same time */
     char secret[96];              /**< the driver's: of a shared store, with its NUL */

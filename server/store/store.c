@@ -13,22 +13,11 @@ const struct vor_store_driver *vor_store_driver_at(unsigned index)
     return index < sizeof drivers / sizeof drivers[0] ? drivers[index] : NULL;
 }
 
-/* What is kept for an opening: 32 KiB of memory that connections share and the head of the log,
- * with some more; and of a larger reserve a part in which the log has room for the first rows that
- * go. */
-static uint64_t opening_bytes(uint64_t reserve)
-{
-    static const uint64_t least = 64 << 10;
-
-    return reserve / 16 > least ? reserve / 16 : reserve > 0 ? least : 0;
-}
-
-static vor_status open_reserve(struct vor_reserve **out, const char *place, const char *suffix,
-                               struct vor_error *err)
+static vor_status open_reserve(struct vor_reserve **out, const char *place, struct vor_error *err)
 {
     char path[4096];
 
-    if ((size_t)snprintf(path, sizeof path, "%s.%s", place, suffix) >= sizeof path)
+    if ((size_t)snprintf(path, sizeof path, "%s.reserve", place) >= sizeof path)
         return vor_fail_errno(err, ENAMETOOLONG,
                               "the file that reserves space for the job "
                               "store");
@@ -38,25 +27,20 @@ static vor_status open_reserve(struct vor_reserve **out, const char *place, cons
 static vor_status open_with(const struct vor_store_driver *driver, struct vor_store **out,
                             const char *place, int may_share, long *holder, struct vor_error *err)
 {
-    struct vor_reserve *reserve = NULL, *opening = NULL;
-    vor_status status = VOR_OK;
+    struct vor_reserve *reserve = NULL;
+    vor_status status = driver->is_file ? open_reserve(&reserve, place, err) : VOR_OK;
 
-    if (driver->is_file)
-        status = open_reserve(&reserve, place, "reserve", err);
-    if (driver->is_file && status == VOR_OK)
-        status = open_reserve(&opening, place, "opening", err);
-    VOR_THEN(status, driver->open(out, place, may_share, holder, err));
-    if (vor_reserve_made_room(reserve, status, err) || vor_reserve_made_room(opening, status, err))
-        status = driver->open(out, place, may_share, holder, err);
+    if (status == VOR_OK)
+        do
+            status = driver->open(out, place, may_share, holder, err);
+        while (vor_reserve_made_room(reserve, 1, status, err));
     if (status != VOR_OK) {
         vor_reserve_close(reserve);
-        vor_reserve_close(opening);
         return status;
     }
     (*out)->driver = driver;
     (*out)->is_shared = may_share && !driver->is_file;
     (*out)->reserve = reserve;
-    (*out)->opening = opening;
     return VOR_OK;
 }
 
@@ -87,38 +71,24 @@ vor_status vor_store_open(struct vor_store **out, const char *where, int may_sha
 
 void vor_store_close(struct vor_store *store)
 {
-    struct vor_reserve *reserve, *opening;
-    uint64_t kept;
+    struct vor_reserve *reserve;
 
     if (store == NULL)
         return;
-    kept = store->opening_bytes;
     reserve = store->reserve;
-    opening = store->opening;
     store->driver->close(store);
-    if (opening != NULL && vor_reserve_check(opening, NULL) != VOR_OK)
-        vor_reserve_want(opening, kept); /* of the room that the closing has made */
-    vor_reserve_close(reserve);
-    vor_reserve_close(opening);
+    vor_reserve_close(reserve); /* which may need the room that the closing has made */
 }
 
 void vor_store_set_reserve(struct vor_store *store, uint64_t bytes)
 {
-    if (store->reserve == NULL)
-        return;
-    store->opening_bytes = opening_bytes(bytes);
-    vor_reserve_want(store->opening, store->opening_bytes);
-    vor_reserve_want(store->reserve, bytes);
+    if (store->reserve != NULL)
+        vor_reserve_want(store->reserve, bytes);
 }
 
 vor_status vor_store_keep_reserve(struct vor_store *store, struct vor_error *err)
 {
-    vor_status status;
-
-    if (store->reserve == NULL)
-        return VOR_OK;
-    status = vor_reserve_make(store->opening, err);
-    return status == VOR_OK ? vor_reserve_make(store->reserve, err) : status;
+    return store->reserve != NULL ? vor_reserve_make(store->reserve, err) : VOR_OK;
 }
 
 vor_status vor_store_check_reserve(struct vor_store *store, struct vor_error *err)
@@ -136,7 +106,7 @@ int vor_store_made_room(struct vor_store *store, vor_status status, const struct
 {
     int64_t left;
 
-    if (!vor_reserve_made_room(store->reserve, status, err))
+    if (!vor_reserve_made_room(store->reserve, 0, status, err))
         return 0;
     /* Before others take what was given up. */
     (void)(vor_store_give_back(store, &left, NULL) == VOR_OK);

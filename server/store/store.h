@@ -45,10 +45,9 @@ static inline const char *vor_store_secret(const struct vor_store *store)
     return store->secret;
 }
 
-/** Keeps so many bytes of the store's disk (server/base/reserve.h), and some that are left to the
- *  next opening however full it gets, if it has a disk here, from now
- *  on: on a full one they are given up for vor_store_finish, _hand_back, _remove, _evict and
- *  _reap, and when it is opened. */
+/** Keeps so many bytes of the store's disk (server/base/reserve.h), if it has one here, from now
+ * on: on a full one they are given up for vor_store_finish, _hand_back, _remove, _evict and _reap,
+ * and when it is opened, to which a part is left however full it gets. */
 void vor_store_set_reserve(struct vor_store *store, uint64_t bytes);
 
 /** Makes the reserve again once there is room, or only says whether it is there (for HTTP threads).

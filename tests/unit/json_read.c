@@ -234,7 +234,6 @@ VT_TEST(every_kind_is_read)
                                     "\"f\":false,\"n\":null,\"s\":\"\\u00fc\\ud83d\\ude00\\/\"} ");
     const struct vor_json *a = vor_json_get(json, "a");
     double number = 0;
-    int flag = -1;
 
     ck_assert_int_eq(vor_json_kind(json), VOR_JSON_OBJECT);
     ck_assert_uint_eq(vt_json_count(json), 6);
@@ -245,8 +244,7 @@ VT_TEST(every_kind_is_read)
     ck_assert_uint_eq(vt_json_count(a), 3);
     ck_assert_str_eq(vor_json_get_string(vor_json_next(vor_json_first(a))), "two");
     ck_assert_int_eq(vor_json_kind(vor_json_next(vor_json_next(vor_json_first(a)))), VOR_JSON_NULL);
-    ck_assert(vor_json_get_bool(vor_json_get(json, "t"), &flag) && flag == 1);
-    ck_assert(vor_json_get_bool(vor_json_get(json, "f"), &flag) && flag == 0);
+    ck_assert_int_eq(vor_json_kind(vor_json_get(json, "f")), VOR_JSON_BOOL);
     ck_assert_str_eq(vor_json_get_string(vor_json_get(json, "s")), "\xc3\xbc\xf0\x9f\x98\x80/");
     vor_json_free(json);
 }
@@ -266,14 +264,12 @@ VT_TEST(getters_of_the_wrong_kind_yield_nothing)
     struct vor_json *json = vt_json("[1,\"a\",true]");
     const struct vor_json *number = vor_json_first(json), *string = vor_json_next(number);
     double value;
-    int flag;
 
     ck_assert_ptr_null(vor_json_get(json, "a"));
     ck_assert_ptr_null(vor_json_get(NULL, "a"));
     ck_assert_ptr_null(vor_json_get_string(number));
     ck_assert(!vor_json_get_number(string, &value));
     ck_assert(!vor_json_get_number(vor_json_next(string), &value));
-    ck_assert(!vor_json_get_bool(number, &flag));
     ck_assert(!vor_json_get_number(NULL, &value));
     ck_assert_ptr_null(vor_json_get_string(NULL));
     ck_assert_ptr_null(vor_json_first(number));

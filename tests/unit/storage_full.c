@@ -238,7 +238,7 @@ VT_TEST(what_ends_a_job_spends_the_reserve_which_is_made_again)
     ck_assert(small_disk(dir, 1000));
     start(&daemon, dir);
     vor_blobs_set_reserve(daemon.blobs, 1);
-    vor_store_set_reserve(daemon.store, 200000);
+    vor_store_set_reserve(daemon.store, 270000);
     vt_assert_ok(vor_job_service_ready(daemon.service, &vt_err));
     vt_assert_ok(vor_store_insert(daemon.store, &row, NULL, &vt_err));
     exhaust(&daemon);
@@ -307,7 +307,7 @@ VT_TEST(jobs_can_be_removed_after_a_start_on_a_full_disk)
     }
     vt_daemon_stop(&daemon);
     (void)snprintf(reserve, sizeof reserve, "%s/jobs.sqlite.reserve", dir);
-    ck_assert_int_eq(unlink(reserve), 0);
+    ck_assert_int_eq(truncate(reserve, 250000), 0); /* what is left to an opening */
     fill(dir);
     start(&daemon, dir);
     for (int i = 0; i < 300; i++) {
@@ -354,7 +354,7 @@ VT_TEST_LOOP(a_store_opens_on_a_full_disk_whose_reserve_is_spent, 2)
     vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     vor_store_close(store);
     (void)snprintf(reserve, sizeof reserve, "%s/jobs.sqlite.reserve", dir);
-    ck_assert_int_eq(unlink(reserve), 0);
+    ck_assert_int_eq(truncate(reserve, 64 << 10), 0);
     fill(dir);
     for (int i = 0; i <= _i; i++) {
         store = vt_dir_store(dir);
