@@ -117,7 +117,8 @@
  *  square one and folds have 0.131, 0.121, 0.135, from the lines 0.088, 0.083, 0.099. Of fewer
  *  points none shows the circles, and beside thin ridges of closed shapes the lines lead off: a
  *  screw's mesh has 9 open edges with them. At 0.125 / 0.25 / 0.5: rms on bunny 2.6e-4 / 2.8e-4 /
- *  3.4e-4; less draws points onto the rim. */
+ *  3.4e-4; less draws points onto the rim. Also how far a point that the input surrounds may lie
+ *  off the surface around its foot, in half spacings of the result (seeds/attach.h). */
 #define VOR_HOLE_MARGIN 0.25
 /** Spacings from the input: a place that is farther may be in a hole. At 0.35 / 0.7 / 1.4: rms on
  *  bunny 2.9e-4 / 2.8e-4 / 3.6e-4, max 5.9e-3 / 5.4e-3 / 10.8e-3, searches on square 32 / 27 / 23

@@ -44,11 +44,12 @@ static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
     atomic_fetch_add(&attach->beyond, beyond);
 }
 
-/* Whether seeds are kept near the input (vor_attach_near). With sheets, layers part them better. */
+/* Whether seeds are kept near the input (vor_attach_near). With sheets, layers part them better;
+ * those of k-means, which has no area, are means of input points. */
 static int stay_near(const struct vor_seeds *seeds)
 {
     return seeds->policy.near_input != VOR_NEAR_NEVER && !seeds->sheets &&
-           seeds->n < seeds->domain->n;
+           seeds->n < seeds->domain->n && seeds->area > 0;
 }
 
 /* Input points around which each thread keeps what vor_attach_near finds there, as the same few are
@@ -179,6 +180,23 @@ static int draw_in(const struct vor_place *around, double least, double x[3])
     return 1;
 }
 
+/* Moves x, which the input surrounds, straight towards its nearest input point, to `least` from it
+ * or to where x is VOR_HOLE_MARGIN times that off the surface around it, whichever is farther. A
+ * plane in place of that surface takes points of coarse spheres for ones in the air. Returns
+ * whether x was moved. */
+static int lower(const struct vor_place *around, double least, double x[3])
+{
+    double foot[3], way[3], length = vor_boundary_foot(around->near, around->k, x, foot, way);
+    double high = fabs(vor_surface_above(&around->surface, x)), low = VOR_HOLE_MARGIN * least, most;
+
+    if (length <= least || high <= low)
+        return 0;
+    most = fmax(least, length * (low / high));
+    for (int c = 0; c < 3; c++)
+        x[c] = foot[c] + most * way[c];
+    return 1;
+}
+
 int vor_attach_near(const struct vor_seeds *seeds, struct vor_scratch *scratch, double x[3])
 {
     const struct vor_place *here = &scratch->here, *around = &scratch->foot;
@@ -192,7 +210,9 @@ int vor_attach_near(const struct vor_seeds *seeds, struct vor_scratch *scratch, 
     if (length <= least || fit_foot(seeds, scratch, foot, &plane) == VOR_SURFACE_NONE)
         return 0;
     moved = land(around, &plane, length, x);
-    return (!vor_seeds_surrounded(scratch, x) && draw_in(around, least, x)) || moved;
+    if (!vor_seeds_surrounded(scratch, x))
+        return draw_in(around, least, x) || moved;
+    return lower(around, least, x) || moved;
 }
 
 /* Moves a seed to where a result may be. */

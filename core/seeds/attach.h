@@ -76,14 +76,19 @@ VOR_NODISCARD vor_status vor_attach_fast(struct vor_seeds *seeds, struct vor_err
 /** Of fewer seeds than the input has points, on an input without sheets, where
  *  seeds->policy.near_input is set: if x is farther from the input than half a spacing of
  *  the result, moves it onto the plane around its nearest input point where that halves the
- *  distance, and from beyond the end of the input back to half a spacing of the result from it or
- *  VOR_OUTSIDE_BEYOND of the input's, the larger: not where the input surrounds x, as it does in
- *  gaps of white noise. scratch->here was gathered around x, or near it; uses scratch->foot.
- *  Returns whether x was moved.
+ *  distance. From beyond the end of the input it goes back to half a spacing of the result from it
+ *  or VOR_OUTSIDE_BEYOND of the input's, the larger. Where the input surrounds x, it goes towards
+ *  that point until it is as near, or VOR_HOLE_MARGIN of half a spacing off the surface around
+ *  that: in gaps of white noise it stays. scratch->here was gathered around x, or near it; uses
+ *  scratch->foot. Returns whether x was moved.
  *
  *  Why: in scans a fit takes in points of two sheets, or a few points of a face that was seen at a
- *  grazing angle, and what is beyond their end is a guess. vor_attach, each step of the polish and
- *  vor_attach_last ask for it: asked at the end alone, it leaves crowds.
+ *  grazing angle, and what is beyond their end, or between them, is a guess. In scans of a block
+ *  with bores and of an octahedron a quarter of the points were farther than half a spacing from
+ *  the input, with 86 % of the squared distance to the surface. Without / with what is done where
+ *  the input surrounds x: of those two, a screw and a room that distance over the input's is 1.71
+ *  / 1.30, delta of kitti 0.372 / 0.379. vor_attach, each step of the polish and vor_attach_last
+ *  ask for it: asked at the end alone, it leaves crowds.
  *
  *  One search where x is that far, else O(k). */
 int vor_attach_near(const struct vor_seeds *seeds, struct vor_scratch *scratch, double x[3]);
