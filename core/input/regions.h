@@ -9,7 +9,8 @@
  *  smooth surface (geom/through.h) leads nearest to it. Lists there keep to one region.
  *
  *  Two faces of one thin part are two regions, though they are joined around its rim: there both
- *  end the same way and lean towards each other, and lists of points at the end go around it.
+ *  end the same way and lean towards each other, and lists of points at the end go around it. So
+ *  they do over a crease, where all that lies beyond either end leans to the side of the other.
  *
  *  Source: none of the papers; the second step is leave-one-out cross-validation. */
 #ifndef VOR_INPUT_REGIONS_H
@@ -21,7 +22,7 @@
  *
  *  @param[in,out] graph  of the domain's points, by vor_adjacency_make
  *
- *  @retval VOR_E_NOMEM 562 bytes a point do not fit, and 16 for each pair that parts, of 24 at most
+ *  @retval VOR_E_NOMEM 574 bytes a point do not fit, and 16 for each pair that parts, of 24 at most
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for; the graph is to be freed
  *
  *  O(n log^2 n), on the run's pool but for the decisions, which take one thread. The same lists for
