@@ -3,6 +3,7 @@
 #include "core/base/linalg.h"
 #include "core/base/vector.h"
 
+#include <float.h>
 #include <string.h>
 
 enum { LANES = 4 };
@@ -18,25 +19,42 @@ VOR_INLINE void find_radius(struct vor_polygon *polygon)
     polygon->radius2 = far;
 }
 
+/* The tangent plane at the seed, in the surface's axes: two of its directions, and its height over
+ * the seed. */
+struct tangent {
+    double e[2][3], height;
+};
+
+VOR_INLINE void find_tangent(struct tangent *out, const struct vor_surface *surface,
+                             const double seed[3])
+{
+    double g[2], w = vor_surface_height(surface, seed[0], seed[1], g) - seed[2];
+    double a = sqrt(1 + g[0] * g[0]), b = sqrt(1 + g[0] * g[0] + g[1] * g[1]);
+
+    *out = (struct tangent){{{1 / a, 0, g[0] / a}, {-g[0] * g[1] / (a * b), a / b, g[1] / (a * b)}},
+                            w};
+}
+
+VOR_INLINE void put_corner(double corner[4], const struct tangent *plane, double s, double t)
+{
+    for (int c = 0; c < 3; c++)
+        corner[c] = s * plane->e[0][c] + t * plane->e[1][c];
+    corner[2] += plane->height;
+    corner[3] = vor_dot(corner, corner);
+}
+
 /* The polygon of these corners in the tangent plane at the seed, one piece. Inlined, so that the
  * compiler knows the corners. */
 VOR_INLINE void begin_flat(struct vor_cell *cell, const struct vor_surface *surface, double radius,
                            const double (*corner)[2], unsigned sides)
 {
     struct vor_polygon *piece = &cell->piece[0];
-    double g[2], w = vor_surface_height(surface, cell->seed[0], cell->seed[1], g) - cell->seed[2];
-    double a = sqrt(1 + g[0] * g[0]), b = sqrt(1 + g[0] * g[0] + g[1] * g[1]);
-    double e[2][3] = {{1 / a, 0, g[0] / a}, {-g[0] * g[1] / (a * b), a / b, g[1] / (a * b)}};
+    struct tangent plane;
 
+    find_tangent(&plane, surface, cell->seed);
     piece->count = sides;
-    for (unsigned i = 0; i < sides; i++) {
-        double s = radius * corner[i][0], t = radius * corner[i][1];
-
-        for (int c = 0; c < 3; c++)
-            piece->vertex[i][c] = s * e[0][c] + t * e[1][c];
-        piece->vertex[i][2] += w;
-        piece->vertex[i][3] = vor_dot(piece->vertex[i], piece->vertex[i]);
-    }
+    for (unsigned i = 0; i < sides; i++)
+        put_corner(piece->vertex[i], &plane, radius * corner[i][0], radius * corner[i][1]);
     find_radius(piece);
     cell->radius2 = piece->radius2;
     cell->count = 1;
@@ -260,4 +278,229 @@ VOR_CLONES unsigned vor_cell_clip_by(struct vor_cell *cell, const double axis[3]
         clip(cell, offset, length2);
     }
     return count;
+}
+
+enum { WRAP_LANES = 8 };
+typedef float wraps __attribute__((vector_size(4 * WRAP_LANES), aligned(4), may_alias));
+typedef int32_t wrap_marks __attribute__((vector_size(4 * WRAP_LANES), aligned(4), may_alias));
+
+/* Bisectors in the tangent plane: along[0] x + along[1] y = room. Those beyond the last have no
+ * direction. */
+struct lines {
+    unsigned count;
+    float along[2][VOR_CELL_WRAP_MAX], room[VOR_CELL_WRAP_MAX];
+};
+
+VOR_INLINE int all(const wrap_marks *of)
+{
+    return ((*of)[0] & (*of)[1] & (*of)[2] & (*of)[3] & (*of)[4] & (*of)[5] & (*of)[6] &
+            (*of)[7]) != 0;
+}
+
+/* Returns whether the seed is on its side of all. */
+VOR_INLINE int find_lines(struct lines *out, const struct tangent *plane, const double axis[3][3],
+                          const struct vor_cell_around *around)
+{
+    const float *at = &around->xyz[3 * around->i];
+    float e[3][3], way[3][VOR_CELL_WRAP_MAX];
+    wrap_marks within = {-1, -1, -1, -1, -1, -1, -1, -1};
+
+    for (int c = 0; c < 3; c++) {
+        for (int d = 0; d < 2; d++)
+            e[d][c] = (float)(plane->e[d][0] * axis[0][c] + plane->e[d][1] * axis[1][c] +
+                              plane->e[d][2] * axis[2][c]);
+        e[2][c] = (float)(plane->height * axis[2][c]);
+    }
+    for (unsigned j = 0; j < around->count; j++)
+        for (unsigned c = 0; c < 3; c++)
+            way[c][j] = around->xyz[3 * (size_t)around->index[j] + c] - at[c];
+    for (out->count = around->count; out->count % WRAP_LANES > 0; out->count++)
+        way[0][out->count] = way[1][out->count] = way[2][out->count] = 0;
+    for (unsigned j = 0; j < out->count; j += WRAP_LANES) {
+        wraps x = *(const wraps *)&way[0][j], y = *(const wraps *)&way[1][j];
+        wraps z = *(const wraps *)&way[2][j];
+        wraps room = (x * x + y * y + z * z) / 2 - (e[2][0] * x + e[2][1] * y + e[2][2] * z);
+
+        *(wraps *)&out->along[0][j] = e[0][0] * x + e[0][1] * y + e[0][2] * z;
+        *(wraps *)&out->along[1][j] = e[1][0] * x + e[1][1] * y + e[1][2] * z;
+        *(wraps *)&out->room[j] = room;
+        within &= room >= 0;
+    }
+    return all(&within);
+}
+
+VOR_INLINE void take_less(wrap_marks *least, const wrap_marks *other)
+{
+    wrap_marks less = *other < *least;
+
+    *least = (*other & less) | (*least & ~less);
+}
+
+/* The line that crosses a line first, counter-clockwise of `from` on it, along `way`. Distances
+ * from 0 on have the order of their bits, of which the last here say which line it is. */
+VOR_INLINE unsigned next_line(const struct lines *lines, const float from[2], const float way[2])
+{
+    const wraps none = {FLT_MAX, FLT_MAX, FLT_MAX, FLT_MAX, FLT_MAX, FLT_MAX, FLT_MAX, FLT_MAX};
+    const wrap_marks lane = {0, 1, 2, 3, 4, 5, 6, 7};
+    wrap_marks least = (wrap_marks)none, other;
+
+    for (unsigned j = 0; j < lines->count; j += WRAP_LANES) {
+        wraps x = *(const wraps *)&lines->along[0][j], y = *(const wraps *)&lines->along[1][j];
+        wraps turn = way[0] * x + way[1] * y;
+        wraps here = (*(const wraps *)&lines->room[j] - from[0] * x - from[1] * y) / turn;
+        wrap_marks ahead = turn > 0, far = (wrap_marks)here & (here > 0);
+
+        far = (far & ahead) | ((wrap_marks)none & ~ahead);
+        far = (far & -VOR_CELL_WRAP_MAX) | (lane + (int)j);
+        take_less(&least, &far);
+    }
+    other = __builtin_shufflevector(least, least, 4, 5, 6, 7, 0, 1, 2, 3);
+    take_less(&least, &other);
+    other = __builtin_shufflevector(least, least, 2, 3, 0, 1, 6, 7, 4, 5);
+    take_less(&least, &other);
+    other = __builtin_shufflevector(least, least, 1, 0, 3, 2, 5, 4, 7, 6);
+    take_less(&least, &other);
+    return (unsigned)least[0] & (VOR_CELL_WRAP_MAX - 1);
+}
+
+/* Where two lines meet. Returns whether the second one turns counter-clockwise. */
+VOR_INLINE int meet(double out[2], const struct lines *lines, unsigned i, unsigned j)
+{
+    double a[2] = {(double)lines->along[0][i], (double)lines->along[1][i]};
+    double b[2] = {(double)lines->along[0][j], (double)lines->along[1][j]};
+    double at = (double)lines->room[i], to = (double)lines->room[j];
+    double turn = a[0] * b[1] - a[1] * b[0];
+
+    out[0] = (at * b[1] - to * a[1]) / turn;
+    out[1] = (to * a[0] - at * b[0]) / turn;
+    return turn > 0;
+}
+
+/* The line nearest to the seed: its foot lies on a side of the cell. That of the nearest seed need
+ * not, which may be above the plane. */
+VOR_INLINE unsigned nearest_line(const struct lines *lines)
+{
+    unsigned best = 0;
+    float room2 = INFINITY, along2 = 1;
+
+    for (unsigned j = 0; j < lines->count; j++) {
+        float x = lines->along[0][j], y = lines->along[1][j], here2 = x * x + y * y;
+        float own2 = lines->room[j] * lines->room[j];
+
+        if (here2 > 0 && own2 * along2 < room2 * here2) {
+            room2 = own2;
+            along2 = here2;
+            best = j;
+        }
+    }
+    return best;
+}
+
+/* Goes around the cell in the tangent plane. Corner j lies where side[j] and the next one meet. */
+VOR_INLINE int go_around(struct vor_polygon *piece, unsigned side[VOR_POLYGON_MAX],
+                         const struct tangent *plane, const struct lines *lines, double inner)
+{
+    const float *x = lines->along[0], *y = lines->along[1];
+    unsigned first = nearest_line(lines), at = first;
+    float share = lines->room[at] / (x[at] * x[at] + y[at] * y[at]);
+    float from[2] = {share * x[at], share * y[at]};
+
+    piece->count = 0;
+    piece->radius2 = 0;
+    do {
+        unsigned next = next_line(lines, from, (float[2]){-y[at], x[at]});
+        double corner[2], *vertex;
+
+        if (!meet(corner, lines, at, next) || piece->count == VOR_POLYGON_MAX)
+            return 0;
+        side[piece->count] = at;
+        vertex = piece->vertex[piece->count++];
+        put_corner(vertex, plane, corner[0], corner[1]);
+        if (!(vertex[3] <= inner * inner))
+            return 0;
+        piece->radius2 = vertex[3] > piece->radius2 ? vertex[3] : piece->radius2;
+        from[0] = (float)corner[0];
+        from[1] = (float)corner[1];
+        at = next;
+    } while (at != first);
+    return 1;
+}
+
+/* Moves a corner to where the bisectors with the seeds at a and b meet on the surface: by one step
+ * of Newton's method. */
+VOR_INLINE void lift_corner(double corner[4], const struct vor_surface *surface,
+                            const double seed[3], const double a[3], const double b[3])
+{
+    double g[2], m[2][2], r[2], turn;
+
+    corner[2] = vor_surface_height(surface, seed[0] + corner[0], seed[1] + corner[1], g) - seed[2];
+    for (int c = 0; c < 2; c++) {
+        m[0][c] = a[c] + a[2] * g[c];
+        m[1][c] = b[c] + b[2] * g[c];
+    }
+    r[0] = vor_dot(a, a) / 2 - vor_dot(a, corner);
+    r[1] = vor_dot(b, b) / 2 - vor_dot(b, corner);
+    turn = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+    if (turn > 0) {
+        corner[0] += (r[0] * m[1][1] - r[1] * m[0][1]) / turn;
+        corner[1] += (r[1] * m[0][0] - r[0] * m[1][0]) / turn;
+    }
+    corner[2] =
+        vor_surface_height(surface, seed[0] + corner[0], seed[1] + corner[1], NULL) - seed[2];
+    corner[3] = vor_dot(corner, corner);
+}
+
+/* Makes triangles on the surface of the polygon in the tangent plane, one for each side. */
+VOR_INLINE void lift(struct vor_cell *cell, const struct vor_surface *surface, double height,
+                     const unsigned side[VOR_POLYGON_MAX], const struct vor_cell_around *around)
+{
+    const double middle[4] = {0, 0, height, height * height};
+    double to[VOR_POLYGON_MAX][3] = {{0}}; /* clang-analyzer cannot see that the loop sets them */
+    struct vor_polygon flat = cell->piece[0];
+
+    for (unsigned j = 0; j < flat.count; j++) {
+        double way[3];
+
+        vor_way(way, &around->xyz[3 * around->i], &around->xyz[3 * (size_t)around->index[side[j]]]);
+        for (int c = 0; c < 3; c++)
+            to[j][c] = vor_dot(surface->axis[c], way);
+    }
+    cell->count = flat.count;
+    cell->radius2 = 0;
+    for (unsigned j = 0; j < flat.count; j++)
+        lift_corner(flat.vertex[j], surface, cell->seed, to[j], to[(j + 1) % flat.count]);
+    for (unsigned j = 0; j < flat.count; j++) {
+        struct vor_polygon *piece = &cell->piece[j];
+
+        piece->count = 3;
+        memcpy(piece->vertex[0], middle, sizeof middle);
+        memcpy(piece->vertex[1], flat.vertex[j], sizeof flat.vertex[j]);
+        memcpy(piece->vertex[2], flat.vertex[(j + 1) % flat.count], sizeof flat.vertex[j]);
+        find_radius(piece);
+        cell->radius2 = piece->radius2 > cell->radius2 ? piece->radius2 : cell->radius2;
+    }
+}
+
+VOR_CLONES int vor_cell_wrap(struct vor_cell *cell, const struct vor_surface *surface,
+                             const double seed[3], double inner,
+                             const struct vor_cell_around *around)
+{
+    struct vor_polygon *piece = &cell->piece[0];
+    unsigned side[VOR_POLYGON_MAX];
+    struct tangent plane;
+    struct lines lines;
+
+    if (around->count == 0 || around->count > VOR_CELL_WRAP_MAX)
+        return 0;
+    find_tangent(&plane, surface, seed);
+    if (!find_lines(&lines, &plane, surface->axis, around) ||
+        !go_around(piece, side, &plane, &lines, inner))
+        return 0;
+    memcpy(cell->seed, seed, sizeof cell->seed);
+    cell->bisectors = piece->count;
+    cell->radius2 = piece->radius2;
+    cell->count = 1;
+    if (around->bent)
+        lift(cell, surface, plane.height, side, around);
+    return cell->radius2 <= inner * inner;
 }

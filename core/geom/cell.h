@@ -72,4 +72,31 @@ void vor_cell_clip(struct vor_cell *cell, const double offset[3]);
 unsigned vor_cell_clip_by(struct vor_cell *cell, const double axis[3][3], const float *xyz,
                           size_t i, const uint32_t *index, unsigned count);
 
+/** The seeds around one, in any order. */
+struct vor_cell_around {
+    const float *xyz; /**< positions of all seeds */
+    size_t i;         /**< the one */
+    const uint32_t *index;
+    unsigned count;
+    int bent; /**< the cell is to follow the surface, not its tangent plane */
+};
+
+/** Most seeds around one that vor_cell_wrap takes; lists of seeds hold fewer. */
+#define VOR_CELL_WRAP_MAX 32
+
+/** Makes a cell at once: goes around it in the tangent plane, along each side to where the next
+ *  bisector crosses it. If `bent`, the corners are then moved along the surface to where the
+ *  bisectors meet on it, and the cell is a triangle for each side.
+ *
+ *  @param[in] inner   the cell is to lie within this of the seed
+ *  @param[in] around  all seeds within twice that
+ *
+ *  @return whether it does; else the cell is undefined, and vor_cell_begin may follow
+ *
+ *  Source: gift wrapping, in the dual (Jarvis 1973, "On the identification of the convex hull of a
+ *  finite set of points in the plane"). Departure: the paper clips a meshed hexagon, whose corners
+ *  off the surface are those of its triangles. O(count sides). */
+int vor_cell_wrap(struct vor_cell *cell, const struct vor_surface *surface, const double seed[3],
+                  double inner, const struct vor_cell_around *around);
+
 #endif

@@ -16,7 +16,7 @@
 #define VOR_PATCH_HEXAGON 6
 #define VOR_PATCH_OCTAGON 8
 
-/** Most rings that a hexagon may have; runs use at most 2, tests of convergence more. An octagon
+/** Most rings that a hexagon may have; runs use 1, tests of convergence more. An octagon
  * may have one less, as its triangles must fit too. */
 #define VOR_PATCH_RINGS_MAX 4
 #define VOR_PATCH_VERTICES_MAX (1 + 3 * VOR_PATCH_RINGS_MAX * (VOR_PATCH_RINGS_MAX + 1))

@@ -28,13 +28,14 @@ static int chance_gap(const struct vor_seeds *seeds, const struct vor_scratch *s
     unsigned count = lists->has[i];
 
     if (here->k > VOR_NEIGHBORS_FEWEST || seeds->sheets ||
-        seeds->last_fit[i].root != VOR_LISTS_NO_ROOT || !irregular(here))
+        seeds->last_fit[i].root != VOR_LISTS_NO_ROOT)
         return 0;
     vor_surface_to_local(surface, x, local);
     (void)vor_boundary_room(surface, here->near, here->k, local, surface->reach, side);
     vor_gather(near, seeds->domain->xyz, &lists->list[i * lists->wide], count);
     return vor_boundary_end(surface, local, side, near, count) >=
-           VOR_EDGE_SURE_INSIDE * surface->reach;
+               VOR_EDGE_SURE_INSIDE * surface->reach &&
+           irregular(here);
 }
 
 /* Whether an input point is near the seed, at x: as near as where holes are not kept, where the

@@ -120,8 +120,8 @@ struct vor_seeds {
     struct vor_stretched stretched;     /**< metric at each seed, where there is one */
     uint64_t indexed_before; /**< times that lists were made anew before points were added */
     double area; /**< of the surface in squared normalised units, as the start estimated it */
-    struct vor_disc flat, disc, fine; /**< patches, from flat to strongly bent */
-    struct vor_scratch *scratch;      /**< one for each thread of the pool */
+    struct vor_disc flat, disc;  /**< patches, of flat surfaces and of bent ones */
+    struct vor_scratch *scratch; /**< one for each thread of the pool */
     struct vor_kept_foot *kept; /**< what vor_attach_near finds (attach.c); NULL: nothing is kept */
 };
 
@@ -237,8 +237,8 @@ void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_scratch *scratch, size_
 void vor_seeds_within(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,
                       double distance);
 
-/** Clips the cell of seed i into scratch->cell, from scratch->here and scratch->crowd: from the
- *  patch that vor_seeds_disc picks, or if `flat` from the tangent plane. With a metric, clips it in
+/** Clips the cell of seed i into scratch->cell, from scratch->here and scratch->crowd: from a
+ *  patch of the surface, or if `flat` of the tangent plane. With a metric, clips it in
  *  that of the seed: scratch->crowd then has the seeds that are nearest in it and their distances
  *  there, scratch->stretch is what takes the cell's corners to them. */
 void vor_seeds_clip(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i, int flat);
@@ -246,11 +246,6 @@ void vor_seeds_clip(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t
 /** vor_seeds_fit, and unless its kind is NONE vor_seeds_crowd and vor_seeds_clip. */
 enum vor_surface_kind vor_seeds_cell(struct vor_seeds *seeds, struct vor_scratch *scratch,
                                      size_t i);
-
-/** The disc for a patch of scratch->radius on the surface of scratch->here: the more that bends,
- *  the finer. O(1). */
-const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds,
-                                      const struct vor_scratch *scratch);
 
 /** Gathers the input points around any place x in scratch->there or scratch->foot by a search, and
  *  fits a surface. Returns its kind. O(k log n). */

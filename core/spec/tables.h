@@ -179,10 +179,11 @@ enum vor_method_choice {
       "cells=euclid requires method=cvt and density=uniform")                                      \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
       "Number of iterations. Default: up to 12; up to 100 without polish; up to 35 with "          \
-      "method=kmeans, metric=lp or cells=euclid; 6 with method=isotropic, 18 without polish. On "  \
-      "a smooth closed surface, the run starts with fewer points and splits them; then 6 with "    \
-      "method=cvt, none with method=isotropic. The run stops earlier if further iterations would " \
-      "not spread the points more evenly. If given, the run starts with all points")               \
+      "method=kmeans, metric=lp or cells=euclid; 6 with method=isotropic, 18 without polish. "     \
+      "On a smooth closed surface, the run starts with fewer points and splits them; then 1 "      \
+      "with method=cvt, none with method=isotropic. The run stops earlier if further "             \
+      "iterations would not spread the points more evenly. If given, the run starts with all "     \
+      "points")                                                                                    \
     X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "",                                           \
       "The run ends as soon as delta is this low. delta is the standard deviation of the "         \
       "distances to the nearest neighbour, divided by their mean")                                 \

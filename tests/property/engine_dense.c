@@ -175,7 +175,7 @@ VT_TEST_FIGURES(nobody_is_left_beyond_a_border, VT_FEWER(SEEDS))
             for (int c = 0; c < 2; c++)
                 most = fmax(most, fmax(-x[c], x[c] - 1));
         }
-        ck_assert_msg(most <= 1.5 * spacing, "%g spacings out", most / spacing);
+        ck_assert_msg(most <= 2 * spacing, "%g spacings out", most / spacing);
         vor_cloud_free(&out);
         vt_engine_close(&engine);
     }

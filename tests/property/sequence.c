@@ -112,7 +112,7 @@ static const struct {
     const char *options;
     double noise, turn, kept, moved, delta;
 } rows[] = {
-    {"points=1500", 0.2, 0, 0.999, 0.2, 1.4},
+    {"points=1500", 0.2, 0, 0.999, 0.2, 1.6},
     {"points=800", 0, 0.03, 0.98, 1e9, 1.8},
     {"points=800 boundary=sites density=curvature", 0, 0.03, 0.9, 1e9, 2},
     {"points=900 metric=anisotropic", 0, 0.03, 0.8, 1e9, 2},

@@ -236,3 +236,90 @@ VT_TEST_LOOP(a_cell_depends_on_its_bisectors_but_not_on_their_order, SEEDS)
     clip(&cell, 10, 10, 0);
     ck_assert_uint_eq(cell.bisectors, cuts);
 }
+
+enum { AROUND = 12 };
+
+/* Seeds around one, no two of them near each other, on a surface that bends by so much. */
+struct ring {
+    struct vor_surface surface;
+    float xyz[3 * (AROUND + 1)];
+    uint32_t index[AROUND];
+    struct vor_cell_around around;
+};
+
+static void place(struct ring *ring, size_t i, double u, double v)
+{
+    ring->xyz[3 * i] = (float)u;
+    ring->xyz[3 * i + 1] = (float)v;
+    ring->xyz[3 * i + 2] = (float)vor_surface_height(&ring->surface, u, v, NULL);
+}
+
+static void make_ring(struct ring *ring, uint64_t seed, double bend)
+{
+    memset(ring, 0, sizeof *ring);
+    ring->surface = flat(0);
+    ring->surface.kind = VOR_SURFACE_QUADRIC;
+    ring->surface.reach = 10;
+    for (uint64_t c = 0; c < 5; c++)
+        ring->surface.c[1 + c] = bend * (vt_unit(seed, c) - 0.5);
+    place(ring, 0, 0, 0);
+    for (uint64_t j = 0; j < AROUND; j++) {
+        double angle = M_PI / 3 * ((double)(j % 6) + 0.5 * vt_unit(seed, 20 + j));
+        double length = (j < 6 ? 0.9 : 1.1) + 0.2 * vt_unit(seed, 40 + j);
+
+        place(ring, (size_t)(j + 1), length * cos(angle), length * sin(angle));
+        ring->index[j] = (uint32_t)(j + 1);
+        if (bend <= 0) /* off the plane, as those of another sheet are */
+            ring->xyz[3 * (j + 1) + 2] = (float)(1.6 * vt_unit(seed, 60 + j) - 0.8);
+    }
+    ring->around = (struct vor_cell_around){ring->xyz, 0, ring->index, AROUND, bend > 0};
+}
+
+/* Moments of the cell that clipping the patch gives. */
+static void clipped(struct vor_moments *out, const struct ring *ring, unsigned rings)
+{
+    const double seed[3] = {0};
+    struct vor_disc disc;
+    struct vor_cell cell;
+
+    vor_disc_init(&disc, VOR_PATCH_HEXAGON, rings);
+    vor_cell_begin(&cell, &disc, &ring->surface, seed, 1.1);
+    for (size_t j = 0; j < AROUND; j++)
+        (void)vor_cell_clip_by(&cell, ring->surface.axis, ring->xyz, 0, &ring->index[j], 1);
+    ck_assert(vor_cell_moments(out, &cell));
+}
+
+/* The slow twin clips a patch by all seeds; where that bends, of as many triangles as there may
+ * be: the two are then of different triangles. */
+VT_TEST_LOOP(a_wrapped_cell_is_the_clipped_one, 3 * SEEDS)
+{
+    const double seed[3] = {0}, bend = _i % 3 * 0.3, exact = bend > 0 ? 0.03 : 1e-6;
+    struct vor_cell cell;
+    struct vor_moments wrap, clip;
+    struct ring ring;
+
+    make_ring(&ring, (uint64_t)_i, bend);
+    ck_assert(vor_cell_wrap(&cell, &ring.surface, seed, 0.95, &ring.around));
+    ck_assert_uint_eq(cell.count, bend > 0 ? cell.bisectors : 1);
+    ck_assert(vor_cell_moments(&wrap, &cell));
+    clipped(&clip, &ring, bend > 0 ? VOR_PATCH_RINGS_MAX : 0);
+    ck_assert_double_eq_tol(wrap.area, clip.area, exact * clip.area);
+    ck_assert_double_eq_tol(wrap.energy, clip.energy, 2 * exact * clip.energy);
+    for (int c = 0; c < 3; c++)
+        ck_assert_double_eq_tol(wrap.centroid[c], clip.centroid[c], exact);
+}
+
+VT_TEST(a_cell_that_reaches_too_far_is_not_wrapped)
+{
+    const double seed[3] = {0};
+    struct vor_cell cell;
+    struct ring ring;
+
+    make_ring(&ring, 1, 0);
+    ck_assert(!vor_cell_wrap(&cell, &ring.surface, seed, 0.5, &ring.around));
+    for (ring.around.count = 0; ring.around.count < 3; ring.around.count++) /* open to a side */
+        ck_assert(!vor_cell_wrap(&cell, &ring.surface, seed, 1e9, &ring.around));
+    ring.around.count = AROUND;
+    memcpy(&ring.xyz[3], ring.xyz, 3 * sizeof *ring.xyz); /* coincides with it */
+    ck_assert(!vor_cell_wrap(&cell, &ring.surface, seed, 0.95, &ring.around));
+}
