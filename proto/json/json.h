@@ -157,7 +157,8 @@ void vor_json_spec_value(struct vor_text *text, const struct vor_spec *spec,
 /** Sets what an object's members name, as vor_json_spec writes them; the others keep what spec has.
  *
  *  @param[in,out] spec  unchanged on failure
- *  @retval VOR_E_PARAM, VOR_E_WORD  as vor_spec_set (parameter names the member)
+ *  @retval VOR_E_PARAM object is no object, or as vor_spec_set (parameter names the member)
+ *  @retval VOR_E_WORD  as vor_spec_set
  *
  *  vor_spec_check is the caller's to call. */
 VOR_NODISCARD vor_status vor_json_spec_read(struct vor_spec *spec, const struct vor_json *object,

@@ -225,6 +225,8 @@ vor_status vor_json_spec_read(struct vor_spec *spec, const struct vor_json *obje
     struct vor_spec next = *spec;
     vor_status status = VOR_OK;
 
+    if (vor_json_kind(object) != VOR_JSON_OBJECT)
+        return vor_fail(err, VOR_E_PARAM, "the parameters are no object");
     for (const struct vor_json *m = vor_json_first(object); m != NULL && status == VOR_OK;
          m = vor_json_next(m))
         status = set_member(&next, m, err);

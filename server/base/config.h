@@ -93,8 +93,9 @@
     X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
       "Size of the reserve file, which keeps disk space free in the folder of the job store. "     \
       "When the disk is full, the daemon gives this space up, so that jobs can still be "          \
-      "finished and deleted. An upload is refused if it would leave less free space than this "    \
-      "size")                                                                                      \
+      "finished and deleted. One part is kept for the next start of the daemon: a sixteenth, but " \
+      "at least 64 KiB, and never more than half. An upload is refused if it would leave less "    \
+      "free space than this size")                                                                 \
     X(PUBLIC_URL, "public-url", TEXT, "URL", 0, 0, "",                                             \
       "URL at which clients reach the daemon; links in responses begin with it. Default: the "     \
       "scheme, host and path that a trusted proxy sends, else http:// and the Host header")        \

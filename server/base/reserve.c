@@ -20,6 +20,14 @@ struct vor_reserve {
     _Atomic uint64_t wanted, held; /* bytes */
 };
 
+/* Bytes of the disk that a file has: none where it is sparse. */
+static uint64_t room_in(const struct stat *file)
+{
+    uint64_t size = (uint64_t)file->st_size, blocks = (uint64_t)file->st_blocks * 512;
+
+    return size < blocks ? size : blocks;
+}
+
 vor_status vor_reserve_open(struct vor_reserve **out, const char *path, struct vor_error *err)
 {
     struct vor_reserve *reserve = calloc(1, sizeof *reserve);
@@ -31,7 +39,7 @@ vor_status vor_reserve_open(struct vor_reserve **out, const char *path, struct v
     }
     pthread_mutex_init(&reserve->mutex, NULL);
     if (stat(path, &info) == 0)
-        reserve->held = (uint64_t)info.st_size;
+        reserve->held = room_in(&info);
     *out = reserve;
     return VOR_OK;
 }
@@ -69,13 +77,19 @@ static int make_file(struct vor_reserve *reserve, uint64_t free)
 {
     int fd = open(reserve->path, O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
     struct statvfs disk;
+    struct stat file;
     int failed;
 
     if (fd < 0)
         return errno;
-    failed = fstatvfs(fd, &disk) != 0 ? errno : 0;
-    if (!failed && (uint64_t)disk.f_bavail * disk.f_frsize + reserve->held < free)
-        failed = ENOSPC;
+    if (fstat(fd, &file) != 0 || fstatvfs(fd, &disk) != 0) {
+        failed = errno;
+        close(fd);
+        return failed;
+    }
+    if (reserve->held > room_in(&file)) /* others took from it */
+        reserve->held = room_in(&file);
+    failed = (uint64_t)disk.f_bavail * disk.f_frsize + reserve->held < free ? ENOSPC : 0;
     if (!failed)
         failed = (fallocate(fd, 0, 0, (off_t)reserve->wanted) != 0 &&
                   (errno != EOPNOTSUPP || fill(fd, reserve->wanted) != 0))
@@ -91,10 +105,12 @@ static int make_file(struct vor_reserve *reserve, uint64_t free)
 static const uint64_t least = 64 << 10;
 
 /* What is left to the next opening; of a large reserve a part in which the log has room for the
- * first rows that go. */
+ * first rows that go, and of a small one no more than half. */
 static uint64_t opening_bytes(uint64_t wanted)
 {
-    return wanted / 16 > least ? wanted / 16 : wanted > 0 ? least : 0;
+    uint64_t part = wanted / 16 > least ? wanted / 16 : least;
+
+    return part < wanted / 2 ? part : wanted / 2;
 }
 
 /* Gives up a half: others may take what is left over, and then there is room for another change.

@@ -169,14 +169,21 @@ void vor_blobs_set_reserve(struct vor_blobs *blobs, uint64_t bytes)
     blobs->reserve = bytes;
 }
 
+static int fits(const struct vor_blobs *blobs, uint64_t bytes, uint64_t others, uint64_t available)
+{
+    uint64_t taken = blobs->reserve + others;
+
+    return available >= taken && available - taken >= bytes;
+}
+
 /* Whether `bytes` fit beside what `others` were promised. */
 static vor_status check_room(struct vor_blobs *blobs, uint64_t bytes, uint64_t others,
                              struct vor_error *err)
 {
-    uint64_t available = 0, total = 0, taken = blobs->reserve + others;
+    uint64_t available = 0, total = 0;
     vor_status status = vor_blobs_space(blobs, &available, &total, err);
 
-    if (status != VOR_OK || (available >= taken && available - taken >= bytes))
+    if (status != VOR_OK || fits(blobs, bytes, others, available))
         return status;
     atomic_store(&blobs->refused, bytes > 0 ? bytes : 1);
     (void)vor_fail(err, VOR_E_IO,
@@ -196,9 +203,10 @@ vor_status vor_blobs_room(struct vor_blobs *blobs, uint64_t bytes, struct vor_er
 
 int vor_blobs_lack_room(struct vor_blobs *blobs)
 {
-    uint64_t bytes = atomic_exchange(&blobs->refused, 0);
+    uint64_t bytes = atomic_exchange(&blobs->refused, 0), available = 0, total = 0;
 
-    return bytes > 0 && vor_blobs_room(blobs, bytes, NULL) != VOR_OK;
+    return bytes > 0 && vor_blobs_space(blobs, &available, &total, NULL) == VOR_OK &&
+           !fits(blobs, bytes, atomic_load(&blobs->promised), available);
 }
 
 vor_status vor_blobs_check(struct vor_blobs *blobs, struct vor_error *err)

@@ -170,7 +170,7 @@ struct vor_store_driver {
     int is_file;        /**< place is a path here: the door keeps a reserve beside it */
     vor_status (*open)(struct vor_store **out, const char *place, int may_share, long *holder,
                        struct vor_error *err);
-    void (*close)(struct vor_store *store);
+    void (*close)(struct vor_store *store); /**< the reserve too, before others may open its file */
     vor_status (*check)(struct vor_store *store, int *is_lost, struct vor_error *err);
     /** vor_store_give_back; NULL for a store that has no file here. */
     vor_status (*give_back)(struct vor_store *store, int64_t *left, struct vor_error *err);

@@ -328,6 +328,7 @@ static void close_store(struct vor_store *store)
     for (int i = 0; i < VOR_SQL_READERS; i++)
         disconnect(&db->reader[i]);
     disconnect(&db->writer);
+    vor_reserve_close(store->reserve); /* which may need the room that the closing has made */
     vor_sql_destroy(&db->base);
     if (db->lock >= 0)
         close(db->lock);

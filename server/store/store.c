@@ -71,13 +71,8 @@ vor_status vor_store_open(struct vor_store **out, const char *where, int may_sha
 
 void vor_store_close(struct vor_store *store)
 {
-    struct vor_reserve *reserve;
-
-    if (store == NULL)
-        return;
-    reserve = store->reserve;
-    store->driver->close(store);
-    vor_reserve_close(reserve); /* which may need the room that the closing has made */
+    if (store != NULL)
+        store->driver->close(store);
 }
 
 void vor_store_set_reserve(struct vor_store *store, uint64_t bytes)

@@ -74,6 +74,7 @@ struct vor_job_service {
     struct vor_expiry_clock expiry_clock;
     int is_away;               /* the blobs are, and the log says so */
     int is_full;               /* the store has no reserve, and the log says so */
+    int gives_back;            /* the store has more room that rows have left */
     int has_failed;            /* config.failed was called */
     double renewed;            /* when the lease was */
     double busy;               /* when there was a job last */

@@ -109,15 +109,16 @@ vor_status vor_job_service_ready(struct vor_job_service *service, struct vor_err
     return status;
 }
 
-/* Rows that went have left room in the file of the store. */
-static void give_room_back(struct vor_job_service *service)
+/* Rows that went have left room in the file of the store. True when there is more of it. */
+static int give_room_back(struct vor_job_service *service)
 {
     double until = vor_clock_seconds() + portion_seconds;
-    int64_t left;
+    int64_t left = 0;
 
     while (vor_store_give_back(service->config.store, &left, NULL) == VOR_OK && left > 0 &&
            vor_clock_seconds() < until)
         continue;
+    return left > 0;
 }
 
 /* Makes the reserve again once there is room, and tells config.failed, once, that a disk has
@@ -148,9 +149,9 @@ static void look_at_disk(struct vor_job_service *service)
             vor_log(VOR_LOG_WARN, "no reserve on the disk", VOR_TEXT("error", err.message));
         service->is_full = !has;
     }
-    if (vor_blobs_lack_room(service->config.blobs) || service->is_full ||
+    if (vor_blobs_lack_room(service->config.blobs) || service->gives_back || service->is_full ||
         atomic_load(&service->is_late))
-        give_room_back(service);
+        service->gives_back = give_room_back(service);
     if (service->has_failed)
         return;
     /* Well as long as no disk has failed and the store is ours; one that is away may come back. */

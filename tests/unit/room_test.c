@@ -41,6 +41,8 @@ VT_TEST(room_promised_to_one_is_not_promised_to_another)
     ck_assert(vor_error_storage_full(&vt_err));
     ck_assert_ptr_nonnull(strstr(vt_err.message, "reserved for other files"));
     vt_assert_fails(VOR_E_IO, vor_blobs_room(blobs, 2 * (uint64_t)SPARE, &vt_err));
+    ck_assert(vor_blobs_lack_room(blobs));
+    ck_assert(!vor_blobs_lack_room(blobs)); /* until it is asked for again */
     vt_assert_ok(vor_blob_append(first, "bytes", 5, &vt_err));
     vt_assert_ok(vor_blob_commit(first, &id, "input", &vt_err)); /* the rest is free again */
     vt_assert_ok(vor_blobs_room(blobs, most, &vt_err));

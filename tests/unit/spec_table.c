@@ -260,6 +260,16 @@ VT_TEST_LOOP(what_is_no_value_is_refused_with_what_is_wanted, ALL)
         vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, row.name, "auto", &vt_err));
 }
 
+VT_TEST(parameters_that_are_no_object_are_refused)
+{
+    static const char *const texts[] = {"[1]", "[]", "1", "\"a\"", "null", "true"};
+    struct vor_spec spec;
+
+    vor_spec_init(&spec);
+    for (size_t k = 0; k < sizeof texts / sizeof texts[0]; k++)
+        vt_assert_fails(VOR_E_PARAM, read_json(&spec, texts[k]));
+}
+
 /* A list that is not well-formed is a wrong value; one with a word too many is not. */
 VT_TEST_LOOP(an_unknown_word_of_a_list_has_a_status_of_its_own, 8)
 {

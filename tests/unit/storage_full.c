@@ -5,6 +5,7 @@
 
 #include "server/base/disk.h"
 #include "server/base/log.h"
+#include "server/base/reserve.h"
 #include "server/work/job_service.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
@@ -16,6 +17,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/mount.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -252,6 +254,47 @@ VT_TEST(what_ends_a_job_spends_the_reserve_which_is_made_again)
            VOR_OK) /* the sweeper looks twice a second */
         nap(20);
     vt_daemon_stop(&daemon);
+    remove_disk(dir);
+}
+
+/* Bytes of the disk that it has; -1: there is none. */
+static long room_of(const char *path)
+{
+    struct stat info;
+
+    return stat(path, &info) == 0 ? (long)info.st_blocks * 512 : -1;
+}
+
+/* Others may have taken its file away or made it sparse; a small one gives a half up, and does not
+ * grow. */
+VT_TEST(a_reserve_claims_no_room_that_its_file_does_not_have)
+{
+    enum { BYTES = 64 << 10 };
+    const char *dir = vt_dir_make();
+    struct vor_reserve *reserve;
+    struct vor_error full;
+    char path[512];
+
+    ck_assert(small_disk(dir, 1000));
+    (void)snprintf(path, sizeof path, "%s/reserve", dir);
+    vt_assert_ok(vor_reserve_open(&reserve, path, &vt_err));
+    vor_reserve_want(reserve, BYTES);
+    ck_assert_int_eq(room_of(path), BYTES);
+    (void)vor_fail_errno(&full, ENOSPC, "a row");
+    ck_assert(vor_reserve_made_room(reserve, 0, VOR_E_IO, &full));
+    ck_assert(!vor_reserve_made_room(reserve, 0, VOR_E_IO, &full));
+    ck_assert_int_eq(room_of(path), BYTES / 2);
+    ck_assert_int_eq(unlink(path), 0);
+    vor_reserve_want(reserve, 1 << 30); /* which is more than the disk has */
+    ck_assert_int_eq(room_of(path), -1);
+    vor_reserve_want(reserve, 4096);
+    vor_reserve_close(reserve);
+    ck_assert_int_eq(room_of(path), 4096);
+    ck_assert_int_eq(truncate(path, 0) | truncate(path, BYTES), 0);
+    vt_assert_ok(vor_reserve_open(&reserve, path, &vt_err));
+    vor_reserve_want(reserve, BYTES);
+    vor_reserve_close(reserve);
+    ck_assert_int_eq(room_of(path), BYTES);
     remove_disk(dir);
 }
 
