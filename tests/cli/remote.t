@@ -95,11 +95,13 @@ subtest 'the same lines of JSON' => sub {
     ok slurp("$folder/here.drc") eq slurp("$folder/there.drc"), 'the suffix says the format there too';
     my ($ours, $theirs) = map { [map { decode_json($_) } split /\n/] } $here, $there;
     my ($our_report, $their_report) = (pop @$ours, pop @$theirs);
-    my %by_step = map { ("$_->{iteration}+$_->{polish}" => $_) } @$ours;
+    my %by_step; # the last step is told once more where gaps are narrowed after it
+    push @{ $by_step{"$_->{iteration}+$_->{polish}"} }, { %$_, seconds => 0 } for @$ours;
     cmp_ok scalar @$theirs, '>=', 1, 'there are records';
     for my $record (@$theirs) {
         my $step = "$record->{iteration}+$record->{polish}";
-        is_deeply { %$record, seconds => 0 }, { %{ $by_step{$step} // {} }, seconds => 0 }, "record $step is the same";
+        my ($same) = grep { $_->{best}{delta} == $record->{best}{delta} } @{ $by_step{$step} // [] };
+        is_deeply { %$record, seconds => 0 }, $same, "record $step is the same";
     }
     for my $report ($our_report, $their_report) {
         delete @$report{qw(seconds memory_peak_bytes)};

@@ -116,7 +116,7 @@ VT_TEST(a_mesh_that_follows_the_curvature_of_fandisk_is_nearer_to_it)
         return;
     ck_assert_int_eq(vt_mesh_read(&truth, path), 0);
     vt_cloud_make(&in, IN);
-    vt_mesh_sample(in.xyz, NULL, &truth, 1, IN);
+    vt_mesh_sample(in.xyz, NULL, &truth, 3, IN);
     vt_mesh_sample(place, NULL, &truth, 2, PLACES);
     even = mesh(&in, "isotropic", place);
     long_ones = mesh(&in, "anisotropic", place);
