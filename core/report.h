@@ -315,10 +315,10 @@ struct vor_stage_done {
       "or a metric, or if the run only filtered the input")                                        \
     VOR_CELLS_TABLE(X, "cells.")                                                                   \
     X(REAL, bisectors_per_cell, "bisectors_per_cell", "",                                          \
-      "Mean number of planes by which a Voronoi cell was clipped, over all computed cells")        \
+      "Mean number of planes that bound or have cut a Voronoi cell, over all computed cells")      \
     X(REAL, triangles_per_cell, "triangles_per_cell", "",                                          \
-      "Number of triangles in the local surface from which a Voronoi cell is cut (mean over all "  \
-      "computed cells)")                                                                           \
+      "Number of triangles in the local surface from which a Voronoi cell is cut or made (mean "   \
+      "over all computed cells)")                                                                  \
     X(U64, queries, "queries", "",                                                                 \
       "Number of searches for nearest neighbours among the points of the input or result")         \
     X(U64, list_rebuilds, "list_rebuilds", "",                                                     \

@@ -8,7 +8,9 @@
  *  Departure: the hexagon is centred under the seed, not at the nearest input point. So it covers
  *  the cell also where the result is denser than the input.
  *  Departure: where the surface hardly bends over the patch, the cell begins as one polygon in the
- *  tangent plane. */
+ *  tangent plane.
+ *  Departure: a cell that does not reach the sides of its patch is mostly made without one
+ *  (vor_cell_wrap). */
 #ifndef VOR_GEOM_CELL_H
 #define VOR_GEOM_CELL_H
 
@@ -81,7 +83,8 @@ struct vor_cell_around {
     int bent; /**< the cell is to follow the surface, not its tangent plane */
 };
 
-/** Most seeds around one that vor_cell_wrap takes; lists of seeds hold fewer. */
+/** Most seeds around one that vor_cell_wrap takes; lists of seeds hold fewer. A power of two: which
+ *  one it is takes so many bits. */
 #define VOR_CELL_WRAP_MAX 32
 
 /** Makes a cell at once: goes around it in the tangent plane, along each side to where the next
@@ -94,8 +97,7 @@ struct vor_cell_around {
  *  @return whether it does; else the cell is undefined, and vor_cell_begin may follow
  *
  *  Source: gift wrapping, in the dual (Jarvis 1973, "On the identification of the convex hull of a
- *  finite set of points in the plane"). Departure: the paper clips a meshed hexagon, whose corners
- *  off the surface are those of its triangles. O(count sides). */
+ *  finite set of points in the plane"). O(count sides). */
 int vor_cell_wrap(struct vor_cell *cell, const struct vor_surface *surface, const double seed[3],
                   double inner, const struct vor_cell_around *around);
 

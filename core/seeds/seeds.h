@@ -237,10 +237,10 @@ void vor_seeds_crowd(struct vor_seeds *seeds, struct vor_scratch *scratch, size_
 void vor_seeds_within(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,
                       double distance);
 
-/** Clips the cell of seed i into scratch->cell, from scratch->here and scratch->crowd: from a
- *  patch of the surface, or if `flat` of the tangent plane. With a metric, clips it in
- *  that of the seed: scratch->crowd then has the seeds that are nearest in it and their distances
- *  there, scratch->stretch is what takes the cell's corners to them. */
+/** Makes the cell of seed i in scratch->cell, from scratch->here and scratch->crowd: at once, or by
+ *  clipping a patch of the surface, or if `flat` of the tangent plane. With a metric, in that of
+ * the seed: scratch->crowd then has the seeds that are nearest in it and their distances there,
+ * scratch->stretch is what takes the cell's corners to them. */
 void vor_seeds_clip(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i, int flat);
 
 /** vor_seeds_fit, and unless its kind is NONE vor_seeds_crowd and vor_seeds_clip. */

@@ -105,8 +105,10 @@ static double apart(const struct vor_seeds *seeds, const struct vor_scratch *scr
     return most;
 }
 
-/* How far bent cells are from those of the finest patch: made at once, and clipped. */
+/* How far bent cells are from those of the finest patch: made at once, and clipped. Of a bed with
+ * few of them, one may be as much of a patch farther. */
 static double bent[2];
+#define LUCK 0.3
 
 /* Cells that are clipped are the same; those made at once are of numbers in float32, and where the
  * surface bends in the mean nearer to it than clipped ones (0.020 and 0.035 here). */
@@ -145,7 +147,7 @@ VT_TEST_LOOP(a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds, S
                 compare_cells(&bed.seeds, i);
             close_bed(&bed);
         }
-    ck_assert_double_le(bent[0], bent[1] + 0.3); /* of few cells, some are */
+    ck_assert_double_le(bent[0], bent[1] + LUCK);
 }
 
 /* Chen 2018, Sec. 4.2: octagons in the planes of the input. */
@@ -212,7 +214,7 @@ VT_TEST_LOOP(a_cell_from_lists_of_before_is_clipped_by_all_seeds_as_they_are_now
                 compare_cells(&bed.seeds, i);
             close_bed(&bed);
         }
-    ck_assert_double_le(bent[0], bent[1] + 0.3); /* of few cells, some are */
+    ck_assert_double_le(bent[0], bent[1] + LUCK);
 }
 
 /* Cells are disjoint: a sample of one is nearer to its own seed than to any other. */
@@ -225,11 +227,12 @@ VT_TEST_LOOP(a_sample_of_a_cell_is_nearest_to_its_own_seed, SEEDS)
     scratch = &bed.seeds.scratch[0];
     for (size_t i = 0; i < 200; i++) {
         struct vor_moments moments;
-        double unit[3], local[3], x[3], own = 0;
+        double unit[3], local[3], x[3], own = 0, rounding;
 
         ck_assert_int_ne(vor_seeds_cell(&bed.seeds, scratch, i), VOR_SURFACE_NONE);
         if (!vor_cell_moments(&moments, &scratch->cell))
             continue;
+        rounding = scratch->radius * (scratch->cell.count > 1 ? 1e-3 : 1e-6);
         for (size_t c = 0; c < 3; c++)
             unit[c] = vt_unit((uint64_t)_i + 3, 3 * i + c);
         vor_cell_sample(&scratch->cell, moments.area, 1, &unit, &local);
@@ -241,7 +244,7 @@ VT_TEST_LOOP(a_sample_of_a_cell_is_nearest_to_its_own_seed, SEEDS)
 
             for (size_t c = 0; c < 3; c++)
                 other += pow(x[c] - (double)bed.seeds.xyz[3 * j + c], 2);
-            ck_assert_double_le(sqrt(own), sqrt(other) + 1e-3 * scratch->radius);
+            ck_assert_double_le(sqrt(own), sqrt(other) + rounding);
         }
     }
     close_bed(&bed);
