@@ -16,7 +16,8 @@ static void make_hole(struct vor_cloud *cloud)
 
     vt_cloud_make(cloud, SIDE * SIDE);
     for (int i = 0; i < SIDE * SIDE; i++) {
-        double x = (i % SIDE + 0.5) / SIDE - 0.5, y = ((double)(i / SIDE) + 0.5) / SIDE - 0.5;
+        int column = i % SIDE, row = i / SIDE;
+        double x = (column + 0.5) / SIDE - 0.5, y = (row + 0.5) / SIDE - 0.5;
         double angle = 2 * M_PI * i / RING;
 
         if (i >= RING && hypot(x, y) < 0.13)
